@@ -166,10 +166,11 @@ def main(path: Path) -> None:
         stand = {NATIVE: stand_native[1], OURS: stand_ours[1]}
         page.paste(graph(stand, i, "trunk\nheight"), (0, TITLE + 2 * HEIGHT + 90))
         pictures.append(page)
-    pictures[0].save(
+    # the end comes first: where the picture does not move, its first frame is all that is seen
+    pictures[-1].save(
         path,
         save_all=True,
-        append_images=pictures[1:] + [pictures[-1]] * FPS,
+        append_images=[pictures[-1]] * FPS + pictures[:-1],
         duration=round(1000 / FPS),
         loop=0,
         quality=55,

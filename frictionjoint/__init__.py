@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from frictionjoint.simulate.carrier import install, load_model
     from frictionjoint.simulate.check import check_model as check
     from frictionjoint.simulate.mass_matrix import mass_matrix
-    from frictionjoint.simulate.remembered import remembered
+    from frictionjoint.simulate.memory_stacks import remembered
     from frictionjoint.simulate.set_parameters import forget, set_parameters
     from frictionjoint.simulate.thermal import set_temperature, set_warmth, temperature, warmth
     from frictionjoint.simulate.torque import torque
@@ -41,7 +41,7 @@ _HOMES = {
     "attach_warp": "frictionjoint.simulate.warp",
     "install": "frictionjoint.simulate.carrier",
     "load_model": "frictionjoint.simulate.carrier",
-    "remembered": "frictionjoint.simulate.remembered",
+    "remembered": "frictionjoint.simulate.memory_stacks",
     "mass_matrix": "frictionjoint.simulate.mass_matrix",
     "forget": "frictionjoint.simulate.set_parameters",
     "set_parameters": "frictionjoint.simulate.set_parameters",

@@ -21,9 +21,9 @@ import numpy as np
 from least_squares import held_out_error
 
 from frictionjoint.errors import FrictionJointError
-from frictionjoint.measured.joined import read_joined
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
+from frictionjoint.measured.several_files import read_joined
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 1200.0

@@ -28,9 +28,9 @@ import numpy as np
 import frictionjoint
 from frictionjoint import close_loop
 from frictionjoint.control import read_controller
-from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import STATE, one_tick
+from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.profile import held
 from frictionjoint.files import joint_friction
 from frictionjoint.measured.log import JointLog, split_in_time

@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 from round_trip_joint import Trip, numbers
 
-from frictionjoint.control.block import block_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import STATE, one_tick
+from frictionjoint.control.kernel_numbers import block_of
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.fit import Fit

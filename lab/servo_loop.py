@@ -6,10 +6,9 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.errors import LogError
+from frictionjoint.errors import LogError, ModelError
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.attach import attach
-from frictionjoint.simulate.motor import ALL_OFF, alone, motor_id
 
 _LONGEST_STEP = 1e-3
 
@@ -47,7 +46,12 @@ def run_servo(model: mujoco.MjModel, joint: str, log: JointLog, servo: Servo) ->
     """
     if log.target is None:
         raise LogError(f"{log.name}: no target to follow, add target_rad")
-    motor, j = motor_id(model, joint), model.joint(joint).id
+    motor = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, f"{joint}_voltage")
+    if motor < 0:
+        raise ModelError(f"joint {joint!r} has no voltage motor: fit logs with voltage_v")
+    all_off = (1 << 31) - 1  # bits of the 31 actuator groups
+    alone = all_off & ~(1 << int(model.actuator_group[motor]))
+    j = model.joint(joint).id
     qpos, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
     begin = log.time[0]
     steps = max(1, int(np.ceil(log.duration / min(_LONGEST_STEP, model.opt.timestep))))
@@ -67,7 +71,7 @@ def run_servo(model: mujoco.MjModel, joint: str, log: JointLog, servo: Servo) ->
         with attach(model):
             for k in range(len(time)):
                 found[k] = data.qpos[qpos]
-                model.opt.disableactuator = alone(model, motor) if closed[k] else ALL_OFF
+                model.opt.disableactuator = alone if closed[k] else all_off
                 data.ctrl[motor] = servo.voltage(target[k], found[k])
                 mujoco.mj_step(model, data)
     finally:

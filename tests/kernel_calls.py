@@ -36,7 +36,7 @@ from frictionjoint.identify.commanded import _fill_uniform
 from frictionjoint.identify.constraint_shape import gradient
 from frictionjoint.identify.reversals import fill_grid, path_of
 from frictionjoint.identify.smooth import elastic_plastic
-from frictionjoint.law import relaxation, stribeck, transition
+from frictionjoint.law import relaxation, stribeck
 from frictionjoint.law.kernel import INTEGRATED
 from frictionjoint.law.motion import drive_integrated, drive_rival, friction_torque
 from frictionjoint.law.tangents.along import driven_with_tangents
@@ -171,8 +171,6 @@ def along_logs(rng: np.random.Generator) -> None:
     gram_matrices(rng.normal(size=(4, SAMPLES)), np.array([0, 2, 3]), edges, np.empty((2, 3, 3)))
     grid = np.linspace(t[0] - 1e-3, t[-1] + 1e-3, 50)
     _fill_uniform(t, q, np.array([0, SAMPLES]), grid, np.array([0, 50]), np.empty(50))
-    for k in (1e-4, 0.5, 3.0):
-        transition.transition(laws(rng)[0].pack(), 15, k * rng.choice([-1, 1]))
     for _ in range(200):
         r, n = rng.uniform(-1.5, 1.5), rng.choice([1.0, 2.0, 3.0, 4.0, rng.uniform(1.0, 9.0)])
         a = 10 ** rng.uniform(-4, 1)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.io import savemat
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured.joined import read_joined
 from frictionjoint.measured.readers import each_log, read_log
+from frictionjoint.measured.several_files import read_joined
 
 T = np.arange(300) / 200.0
 Q = 0.4 * np.sin(3.0 * T)

@@ -10,9 +10,9 @@ import pytest
 
 from frictionjoint.control import PRESETS, Controller, read_controller
 from frictionjoint.control import kernel as k
-from frictionjoint.control.block import block_of
 from frictionjoint.control.controller import unknown_notes
 from frictionjoint.control.controller_file import controller_of
+from frictionjoint.control.kernel_numbers import block_of
 from frictionjoint.control.profile import followed_over, held, held_over
 from frictionjoint.control.reconstruct import (
     AllCommands,

@@ -8,7 +8,7 @@ from law_shapes import law_at
 from servo_plant import KNOWN, PLANT, logs, servo, sines, steps, swept
 
 from frictionjoint.control import Controller
-from frictionjoint.control.block import block_of
+from frictionjoint.control.kernel_numbers import block_of
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionjoint.eigen import eigh
+from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse
 
 

@@ -31,9 +31,9 @@ from frictionjoint.rivals import (
     StaticParameters,
 )
 from frictionjoint.simulate.carrier import load_model, read_friction
+from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.stick_slip import kuka_model
-from frictionjoint.simulate.with_effects import effects_torque
 from frictionjoint.translate.c_functions import source
 from frictionjoint.translate.c_math import HELPERS
 

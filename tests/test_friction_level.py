@@ -17,8 +17,8 @@ from frictionjoint.effects import (
     position_periodic,
     warm_up_drift,
 )
+from frictionjoint.effects.friction_level import approached
 from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.level import approached
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, H, Q, V
 from frictionjoint.identify.terms import EffectTerm
 from tests import three_sines

@@ -26,7 +26,7 @@ from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.measured import JointLog, read_log
-from frictionjoint.measured.bounded import bounded
+from frictionjoint.measured.long_logs import bounded
 from frictionjoint.simulate.stick_slip import kuka_model
 from tests import leg
 

@@ -13,8 +13,8 @@ import pytest
 from frictionjoint.cli.logs import Reading, log_paths
 from frictionjoint.errors import LogError
 from frictionjoint.measured import read_log
-from frictionjoint.measured.joined import read_joined
 from frictionjoint.measured.readers import joints_with_drive, log_files
+from frictionjoint.measured.several_files import read_joined
 from frictionjoint.model_files import compile_model, read_spec
 
 N = 300

@@ -8,8 +8,8 @@ import pytest
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured import JointLog, read_log, split_at_gaps, split_in_time
-from frictionjoint.measured.bounded import bounded
-from frictionjoint.measured.speed import speed_note
+from frictionjoint.measured.long_logs import bounded
+from frictionjoint.measured.velocity_check import speed_note
 
 N, DT = 400, 0.002
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionjoint.measured import JointLog
-from frictionjoint.measured.bounded import MOST_ROWS, LongLogWarning, bounded
+from frictionjoint.measured.long_logs import MOST_ROWS, LongLogWarning, bounded
 
 
 def log(n, dt=1e-3, frequency=0.5, name="long"):

@@ -24,7 +24,7 @@ from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import friction_spec
 from frictionjoint.simulate.carrier import install
-from frictionjoint.simulate.motor import Motor, add_motor, motor_id
+from frictionjoint.simulate.motor import Motor, add_motor
 
 MASS, LENGTH, ARMATURE, GRAVITY = 0.5, 0.1, 0.002, 9.81
 INERTIA = MASS * LENGTH**2 + ARMATURE + 1e-6
@@ -111,7 +111,7 @@ def test_other_actuators_keep_their_groups():
     spec.add_actuator(name="own", target="arm", trntype=mujoco.mjtTrn.mjTRN_JOINT, group=30)
     add_motor(spec, "arm", MOTOR)
     m = spec.compile()
-    assert m.actuator_group[motor_id(m, "arm")] not in (0, 30)
+    assert m.actuator("arm_voltage").group[0] not in (0, 30)
 
 
 def test_what_is_missing_is_said():

@@ -12,7 +12,7 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.result import Estimate
 from frictionjoint.law.presliding import presliding_distance
-from frictionjoint.report import charts, presliding, wording
+from frictionjoint.report import charts, turning_points, wording
 from frictionjoint.report.joint_report import Rms
 from frictionjoint.report.page import render
 from frictionjoint.report.write import made
@@ -258,7 +258,7 @@ def test_an_interval_of_next_to_no_samples_is_not_stated(found):
 def test_law_and_rest_of_the_model_make_up_what_is_measured_behind_a_turn(found):
     # the law's torque runs from one Coulomb level to the other behind a turn
     curve = found.curves[0]
-    windows = presliding.turns(curve, 6.0 * presliding_distance(found.laws[1], 0.9))
+    windows = turning_points.turns(curve, 6.0 * presliding_distance(found.laws[1], 0.9))
     assert windows
     law = found.laws[1]
     for w in windows:
@@ -272,12 +272,12 @@ def test_a_gap_or_a_pause_is_no_turn():
     zero = np.zeros_like(q)
     t = 0.01 * np.arange(len(q))
     make = found_curve(t, q, zero)
-    assert presliding.turns(make, 0.1) == []
+    assert turning_points.turns(make, 0.1) == []
     back = np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)[1:]])
     t = 0.01 * np.arange(len(back))
-    assert len(presliding.turns(found_curve(t, back, 0 * back), 0.1)) == 1
+    assert len(turning_points.turns(found_curve(t, back, 0 * back), 0.1)) == 1
     t[50:] += 1.0
-    assert presliding.turns(found_curve(t, back, 0 * back), 0.1) == []
+    assert turning_points.turns(found_curve(t, back, 0 * back), 0.1) == []
 
 
 def found_curve(t, q, zero):

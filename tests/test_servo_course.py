@@ -27,7 +27,7 @@ from frictionjoint.identify.search import refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.timing import TargetTiming
-from frictionjoint.measured.at_first import first_velocity
+from frictionjoint.measured.first_velocity import first_velocity
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.closed_loop import closed_loop, courses_of, found_controller
 

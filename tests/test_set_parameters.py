@@ -22,7 +22,7 @@ from frictionjoint.rivals import (
     StaticParameters,
 )
 from frictionjoint.simulate.carrier import read_friction
-from frictionjoint.simulate.samples import FrictionSamples
+from frictionjoint.simulate.friction_samples import FrictionSamples
 
 KNOTS = ((1e-3, 1.5), (1e-2, 3.2))
 TWO = """<mujoco><option timestep="0.001"/><worldbody>

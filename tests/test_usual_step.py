@@ -8,7 +8,7 @@ from frictionjoint.law import integrated
 from frictionjoint.law.kernel import row_size
 from frictionjoint.law.memory import CAPACITY, HEADER, N_MAX, N_MIN, make_room
 from frictionjoint.simulate import row
-from frictionjoint.simulate.usual import joint_torque, rare_torque
+from frictionjoint.simulate.fast_step import joint_torque, rare_torque
 
 KNOTS = ((2e-3, 1.5), (4e-3, 2.2), (8e-3, 3.2))
 

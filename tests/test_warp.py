@@ -23,9 +23,9 @@ from frictionjoint.rivals import (
     StaticParameters,
 )
 from frictionjoint.simulate.carrier import ROW, read_friction, resolve
+from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import FRONT, evaluate, row_size
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
-from frictionjoint.simulate.with_effects import effects_torque
 
 mjw = pytest.importorskip("mujoco_warp")
 wp = pytest.importorskip("warp")
@@ -187,7 +187,7 @@ def test_warp_computes_every_effect_as_the_library_does():
     carried = [acting(e) for e in CATALOGUE]
     P = np.concatenate([law, [float(len(carried))], *(e.pack() for e in carried)])
     size = row_size(int(law_row_size(P, 0)), len(carried))
-    name, made = "simulate_with_effects_effects_torque", [evaluate, effects_torque]
+    name, made = "simulate_joint_effects_effects_torque", [evaluate, effects_torque]
     namespace = translate(made, size, "frictionjoint_test_effects")
     joint, effect = namespace["simulate_row_evaluate"], namespace[name]
     vector = wp.array(dtype=wp.float64)

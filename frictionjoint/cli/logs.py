@@ -180,8 +180,8 @@ class Reading:
 
     def read(self, path: str | Path) -> "JointLog":
         """Read one log."""
-        from frictionjoint.measured.joined import read_joined
         from frictionjoint.measured.readers import read_log
+        from frictionjoint.measured.several_files import read_joined
 
         how = self.joint or None, self.columns, self.signals, self.wrap, self.units
         files = self.joined.get(Path(path))

@@ -106,9 +106,9 @@ class Controller:
         if self.output != "duty" and self.supply_v is not None:
             raise ParameterError(f"supply_v does not go with output {self.output!r}: leave it out")
         if self.kp == UNKNOWN:
-            self._check_nothing_beside_kp()
+            self._check_unknown_kp_alone()
 
-    def _check_nothing_beside_kp(self) -> None:
+    def _check_unknown_kp_alone(self) -> None:
         """Reject terms that would be added to an output relative to kp, unless they are relative
         too.
         """

@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.in_mjcf import IN_MJCF, controller_in
+from frictionjoint.control.mjcf_servos import IN_MJCF, controller_in
 from frictionjoint.control.presets import PRESETS
 from frictionjoint.errors import ParameterError
 from frictionjoint.measured.arguments import expect

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control import kernel as k
-from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import UNKNOWN, Controller
+from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.mean_drive import fill_mean_drives
 from frictionjoint.control.profile import followed
 from frictionjoint.errors import LogError

@@ -52,8 +52,8 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.measured.arguments import require_seed
-from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_each_in_time
+from frictionjoint.measured.long_logs import bounded
 from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_text import model_text

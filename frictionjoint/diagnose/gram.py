@@ -18,7 +18,7 @@ from scipy.optimize import lsq_linear
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.decisions import CONCENTRATED
 from frictionjoint.diagnose.library import Candidate
-from frictionjoint.eigen import eigh
+from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse, without
 from frictionjoint.identify.blocks import Blocks, Folds, whitened
 from frictionjoint.identify.design import lengths

@@ -12,7 +12,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector, root_mean_square
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.inertia import inertia_of
+from frictionjoint.effects.inertia_of_signals import inertia_of
 from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A
 
 # longest step, relative to the period of the flanks' resonance over 2 pi; fraction of a step that

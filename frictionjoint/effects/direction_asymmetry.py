@@ -9,7 +9,7 @@ from dataclasses import replace
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.level import reached, reaches
+from frictionjoint.effects.friction_level import reached, reaches
 from frictionjoint.effects.signals import H, V
 
 

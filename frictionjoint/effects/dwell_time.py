@@ -7,7 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.level import approached
+from frictionjoint.effects.friction_level import approached
 from frictionjoint.effects.signals import DT, H, Q, V
 
 # initial values: time constant, s; slip that renews a contact and length over which the level is

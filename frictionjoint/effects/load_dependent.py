@@ -12,7 +12,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.level import reached, reaches
+from frictionjoint.effects.friction_level import reached, reaches
 from frictionjoint.effects.signals import GEAR, H, V
 
 # initial Stribeck velocities of the extra level, relative to the fastest motion of a log

@@ -5,7 +5,7 @@ import math
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.level import reached
+from frictionjoint.effects.friction_level import reached
 from frictionjoint.effects.signals import H, Q
 
 

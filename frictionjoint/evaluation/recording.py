@@ -17,7 +17,7 @@ from frictionjoint.measured.derivatives import (
 )
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import LowPass, steep
-from frictionjoint.measured.mend import silent_runs
+from frictionjoint.measured.repairs import silent_runs
 
 # periods of the filter's corner frequency at each end of a log in which the unknown continuation
 # of the log affects the filtered signal

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control.controller import UNKNOWN, Controller
 from frictionjoint.control.controller_file import GivenController, controller_of
-from frictionjoint.control.in_mjcf import controller_in
+from frictionjoint.control.mjcf_servos import controller_in
 from frictionjoint.control.reconstruct import measures_drive, with_drive
 from frictionjoint.errors import LogError, NoMotionError, ParameterError, few
 from frictionjoint.evaluation.model import EvaluatedModel, require_joint

@@ -7,15 +7,15 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import COUNT, STATE, one_tick
+from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.profile import held
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.torque import STATE as FULL
 from frictionjoint.evaluation.torque import Along, Led
-from frictionjoint.measured.at_first import first_velocity
+from frictionjoint.measured.first_velocity import first_velocity
 from frictionjoint.mujoco_warnings import became_unstable
 
 WINDOW_S = 0.5

@@ -21,8 +21,8 @@ from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
+from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import row_size, torque_now
-from frictionjoint.simulate.with_effects import effects_torque
 from frictionjoint.translate.c_functions import name_of, source
 from frictionjoint.translate.kernel import Known
 

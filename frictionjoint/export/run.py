@@ -31,7 +31,7 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.simulate.carrier import install, load_model, read_friction
 from frictionjoint.simulate.mechanism import remove_mechanism
-from frictionjoint.simulate.shaft_wave import said_of_waves
+from frictionjoint.simulate.shaft_wave import wave_losses
 
 
 class Target(StrEnum):
@@ -120,7 +120,7 @@ def export(
     """
     model = load_model(path)
     friction = read_friction(model)
-    waves = tuple(said_of_waves(model))
+    waves = tuple(wave_losses(model))
     task = _Task(path, out, target, friction, lugre, yielding)
     if yielding and (lugre or target is not Target.NATIVE):
         raise ModelError("--yield is for the target native, without --lugre")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.eigen import eigh
+from frictionjoint.eigenvalues import eigh
 
 
 def orthonormal(X: Array) -> Array:

@@ -16,8 +16,8 @@ from frictionjoint.identify.held import BALL, FREE, SLIDE, joint_label
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import differentiate
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.speed import speed_note
 from frictionjoint.measured.validate import check_time
+from frictionjoint.measured.velocity_check import speed_note
 from frictionjoint.model_files import ONE_DOF
 
 # Samples of a log, arrangements of the other joints, and poses of each, that are tried.

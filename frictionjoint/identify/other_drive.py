@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.mend import silent_runs
+from frictionjoint.measured.repairs import silent_runs
 
 
 def turned_by_another(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import commands, measures_drive, with_drive
-from frictionjoint.effects.inertia import inertia_of
+from frictionjoint.effects.inertia_of_signals import inertia_of
 from frictionjoint.effects.signals import (
     DT,
     GEAR,

@@ -27,8 +27,8 @@ from frictionjoint.identify.result import (
     units_of,
 )
 from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.long_logs import bounded
 from frictionjoint.parameter_meanings import meaning
 from frictionjoint.parameters import Friction
 from frictionjoint.threads import one_thread

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
-from frictionjoint.eigen import eigh
+from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.of_load import with_load
 from frictionjoint.identify.segment import Prepared

@@ -7,7 +7,7 @@ last knot the last slope goes on, so that the inverse exists for every torque.
 """
 
 from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled, in_line
+from frictionjoint.compiled import in_line
 
 KNOT_STRIDE = 3
 
@@ -34,16 +34,3 @@ def segment_of_torque(P: Vector, k: int, F: float) -> int:
 def slope(P: Vector, k: int, j: int) -> float:
     """Stiffness dFd/dz on segment j."""
     return P[k + 1 + KNOT_STRIDE * j + 2]
-
-
-@compiled
-def transition(P: Vector, k: int, z: float) -> float:
-    """Fd(z)."""
-    last = int(P[k]) - 1
-    w = abs(z)
-    j = 0
-    while j < last and P[k + 1 + KNOT_STRIDE * j] < w:
-        j += 1
-    start = 0.0 if j == 0 else P[k + 1 + KNOT_STRIDE * (j - 1)]
-    F = knot_torque(P, k, j - 1) + slope(P, k, j) * (w - start)
-    return F if z >= 0.0 else -F

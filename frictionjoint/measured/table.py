@@ -22,7 +22,6 @@ from frictionjoint.measured.arrays import (
     npz_names,
     whole,
 )
-from frictionjoint.measured.bare import bare_columns, bare_names, is_bare
 from frictionjoint.measured.columns import (
     check_names,
     choose,
@@ -32,9 +31,10 @@ from frictionjoint.measured.columns import (
     joints_in,
     sample_rate,
 )
+from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.mend import (
-    said_of_silence,
+from frictionjoint.measured.repairs import (
+    silence_notes,
     unwrapped,
     with_one_clock,
     with_position,
@@ -205,7 +205,7 @@ def log_of(
             *dropped,
             *(
                 f"{path.stem}: {note}"
-                for note in runs + integrated + lone + notes + more + said_of_silence(own)
+                for note in runs + integrated + lone + notes + more + silence_notes(own)
             ),
         ),
     )

@@ -161,7 +161,7 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
     """Raise LogError if much of a position's travel happens in jumps.
 
     Args:
-        columns: without repeated rows, see `mend.without_repeats`.
+        columns: without repeated rows, see `repairs.without_repeats`.
     """
     for name, x in columns.items():
         held = name.rpartition(".")[2] in _SPEED_OF

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.eigen import eigh
+from frictionjoint.eigenvalues import eigh
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
 from frictionjoint.joint_friction import JointFriction

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.inertia import inertia_of
+from frictionjoint.effects.inertia_of_signals import inertia_of
 from frictionjoint.effects.signals import LOAD, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of

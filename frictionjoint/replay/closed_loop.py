@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.control.block import block_of, delay_of, supply_of
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import BLOCK, COUNT, MEASURED, PERIOD
+from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.profile import held, held_over
 from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
@@ -27,8 +27,8 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, changing_drive, drive_changes
 from frictionjoint.identify.terms import delay_of as late_by
-from frictionjoint.measured.at_first import first_velocity
 from frictionjoint.measured.derivatives import differentiate, followed
+from frictionjoint.measured.first_velocity import first_velocity
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import Replay, motor_of, simulated_effects
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate

@@ -25,7 +25,7 @@ from frictionjoint.identify.terms import EffectTerm, changed_drive
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.mujoco_warnings import became_unstable, unheard
 from frictionjoint.replay.prescribed_motion import Free, Prescribed
-from frictionjoint.simulate.assumed import ASSUMED, remove_assumed
+from frictionjoint.simulate.assumption_text import ASSUMED, remove_assumed
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import ROW as ROW_SLOT
 from frictionjoint.simulate.carrier import install, resolve

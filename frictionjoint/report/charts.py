@@ -13,7 +13,7 @@ from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.parameters import Friction
 from frictionjoint.report.joint_report import Curve, Report, SimulatedPosition
-from frictionjoint.report.presliding import turns
+from frictionjoint.report.turning_points import turns
 from frictionjoint.report.wording import axis
 
 Kind = Literal["line", "points"]

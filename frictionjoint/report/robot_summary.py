@@ -7,7 +7,7 @@ from typing import Any
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
-from frictionjoint.report.errors import STAGES, Stage, compared
+from frictionjoint.report.error_figures import STAGES, Stage, compared
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
 from frictionjoint.report.summary import Summary, summarise

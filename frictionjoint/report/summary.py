@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from frictionjoint.report.errors import (
+from frictionjoint.report.error_figures import (
     STAGES,
     ErrorRow,
     Stage,

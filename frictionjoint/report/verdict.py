@@ -1,6 +1,6 @@
 """The verdict of a report in three or four lines."""
 
-from frictionjoint.report.errors import arrow, compared
+from frictionjoint.report.error_figures import arrow, compared
 from frictionjoint.report.summary import Summary
 from frictionjoint.report.wording import listed, quantity, three
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from frictionjoint.arrays import Array
-from frictionjoint.eigen import eigh
+from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.robot.causes.cause import Cause, composed
 from frictionjoint.robot.clock import Clock

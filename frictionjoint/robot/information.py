@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from frictionjoint.arrays import Array
-from frictionjoint.eigen import eigh
+from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse, without
 from frictionjoint.identify.design import kept, lengths
 from frictionjoint.robot.causes.catalogue import body_label, rigid_links

@@ -9,8 +9,8 @@ import numpy as np
 
 from frictionjoint.errors import LogError, NoMotionError, few
 from frictionjoint.identify.driven_joints import joints_to_explain
-from frictionjoint.measured.bounded import bounded
 from frictionjoint.measured.log import JointLog, split_each_in_time
+from frictionjoint.measured.long_logs import bounded
 from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model

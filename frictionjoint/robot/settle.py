@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.eigen import eigh
+from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.clock import Clock, clock

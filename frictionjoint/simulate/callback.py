@@ -18,20 +18,20 @@ from frictionjoint.simulate.carrier import (
     RESOLVED,
     ROW,
 )
-from frictionjoint.simulate.first_sight import make_ready
-from frictionjoint.simulate.layout import data_structure
-from frictionjoint.simulate.mass import put_in, take_back
-from frictionjoint.simulate.motor_demand import asked_torque, controls, gives_less
-from frictionjoint.simulate.native import PGS, PROJECTED, RK4
-from frictionjoint.simulate.row import BASE, T_EVALUATED
-from frictionjoint.simulate.shaft_wave import SHAFT, resist
-from frictionjoint.simulate.userdata_room import lacks_room, warn_of_no_room
-from frictionjoint.simulate.usual import joint_torque
-from frictionjoint.simulate.with_effects import (
+from frictionjoint.simulate.fast_step import joint_torque
+from frictionjoint.simulate.implicit_mass import put_in, take_back
+from frictionjoint.simulate.joint_effects import (
     asks_for_load,
     coupled_load,
     joint_effects,
 )
+from frictionjoint.simulate.layout import data_structure
+from frictionjoint.simulate.motor_demand import asked_torque, controls, gives_less
+from frictionjoint.simulate.native import PGS, PROJECTED, RK4
+from frictionjoint.simulate.resolve_when_stepped import make_ready
+from frictionjoint.simulate.row import BASE, T_EVALUATED
+from frictionjoint.simulate.shaft_wave import SHAFT, resist
+from frictionjoint.simulate.userdata_room import lacks_room, warn_of_no_room
 
 
 def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:

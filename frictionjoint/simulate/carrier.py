@@ -13,9 +13,9 @@ plain number, and the plain number is used.
 
 Slots 2 to 6 belong to one compiled model. `resolve` writes them, by name, so that ``MjSpec.attach``
 with a prefix works and the callback never looks up a name. Slot 2 is 0 before `resolve` and 1 after
-it; it is -1 if the callback met a model that cannot be resolved (`first_sight`). A resolved block
-no longer needs the integers. If the model is not yet in use, `resolve` moves its blocks together
-without the integers, so that a step of many joints reads a quarter of the memory.
+it; it is -1 if the callback met a model that cannot be resolved (`resolve_when_stepped`). A
+resolved block no longer needs the integers. If the model is not yet in use, `resolve` moves its
+blocks together without the integers, so that a step of many joints reads a quarter of the memory.
 """
 
 import warnings
@@ -36,7 +36,6 @@ from frictionjoint.laws import unpack
 from frictionjoint.model_files import ONE_DOF, compiling
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.instruments import delay_sensors
 from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
 from frictionjoint.simulate.model_view import ModelView, names_of, tagged_numerics
 from frictionjoint.simulate.motor_demand import check_motors, gives_less
@@ -46,6 +45,7 @@ from frictionjoint.simulate.native_friction import (
     native_friction_of_spec,
 )
 from frictionjoint.simulate.row import row_size
+from frictionjoint.simulate.sensor_delay import delay_sensors
 from frictionjoint.simulate.shaft_wave import resolve_waves
 from frictionjoint.simulate.userdata_room import make_room
 
@@ -69,8 +69,8 @@ def install(
     """Write friction into a spec and reserve room for its state in ``userdata``.
 
     Existing user data of the model stays in front. An elastic joint, or one with backlash, gets
-    another joint behind it (``frictionjoint.simulate.mechanism``), a delayed instrument delayed
-    sensors (``frictionjoint.simulate.instruments``). If a joint has ``frictionloss`` or ``damping``
+    another joint behind it (``simulate.mechanism``), a delayed instrument delayed sensors
+    (``simulate.sensor_delay``). If a joint has ``frictionloss`` or ``damping``
     of its own, friction would count twice: a warning says so.
 
     Args:

@@ -26,7 +26,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.simulate.attach import attach as attach_model
 from frictionjoint.simulate.carrier import ROW, TAG, resolve, rows_of_block
 from frictionjoint.simulate.carrier import install as install_in_spec
-from frictionjoint.simulate.samples import FrictionSamples, Samples
+from frictionjoint.simulate.friction_samples import FrictionSamples, Samples
 
 
 def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:

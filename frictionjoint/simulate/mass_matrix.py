@@ -1,8 +1,8 @@
 """The mass matrix of a model with friction.
 
 Friction is implicit: from the passive forces of a step until the next position stage,
-``mjData.M`` contains the joints' friction on its diagonal (see `simulate.mass`), and ``mj_fullM``
-returns it.
+``mjData.M`` contains the joints' friction on its diagonal (see
+`simulate.implicit_mass`), and ``mj_fullM`` returns it.
 """
 
 import mujoco

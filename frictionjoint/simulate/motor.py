@@ -20,8 +20,6 @@ from frictionjoint.errors import ModelError
 
 # groups that `opt.disableactuator` can switch off
 _GROUPS = 31
-# the value of `opt.disableactuator` at which no actuator acts
-ALL_OFF = (1 << _GROUPS) - 1
 
 
 @dataclass(frozen=True)
@@ -67,20 +65,3 @@ def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:
     actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
     actuator.gainprm[0] = motor.gain
     actuator.biasprm[2] = -motor.back_emf
-
-
-def motor_id(model: mujoco.MjModel, joint: str) -> int:
-    """The actuator driven by a voltage that `add_motor` put on a joint.
-
-    Raises:
-        ModelError: there is none.
-    """
-    found: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, f"{joint}_voltage")
-    if found < 0:
-        raise ModelError(f"joint {joint!r} has no voltage motor: fit logs with voltage_v")
-    return found
-
-
-def alone(model: mujoco.MjModel, actuator: int) -> int:
-    """The value of ``opt.disableactuator`` at which only this actuator's group acts."""
-    return ALL_OFF & ~(1 << int(model.actuator_group[actuator]))

@@ -12,9 +12,10 @@ import mujoco
 
 from frictionjoint.compiled import Table, compiled, entry_point, external
 from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
-from frictionjoint.simulate.first_sight import bind_python, make_ready_in_c, warn_of_no_room_in_c
+from frictionjoint.simulate.fast_step import joint_torque
+from frictionjoint.simulate.implicit_mass import put_in, take_back
+from frictionjoint.simulate.joint_effects import asks_for_load, coupled_load, joint_effects
 from frictionjoint.simulate.layout import offsets
-from frictionjoint.simulate.mass import put_in, take_back
 from frictionjoint.simulate.motor_demand import asked_torque, gives_less
 from frictionjoint.simulate.pointers import (
     Address,
@@ -33,10 +34,13 @@ from frictionjoint.simulate.pointers import (
     shorts_in,
     wholes_in,
 )
+from frictionjoint.simulate.resolve_when_stepped import (
+    bind_python,
+    make_ready_in_c,
+    warn_of_no_room_in_c,
+)
 from frictionjoint.simulate.row import BASE, T_EVALUATED
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
-from frictionjoint.simulate.usual import joint_torque
-from frictionjoint.simulate.with_effects import asks_for_load, coupled_load, joint_effects
 
 PGS = int(mujoco.mjtSolver.mjSOL_PGS)
 # its four evaluations a step are no steps of their own: friction stays explicit

@@ -20,8 +20,8 @@ from frictionjoint.effects.signals import TEMP
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
+from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, torque_now
-from frictionjoint.simulate.with_effects import effects_torque
 
 # rad (m): displacements between which friction comes to hold a joint at rest, and how often the
 # range is halved

@@ -15,7 +15,8 @@ is not part of mjSTATE_FULLPHYSICS. The step is the model's, or the last interva
 that was longer, so that shortening the time step during a run is no leap.
 
 Friction is implicit: over a step it is TORQUE + GAIN w, with w the velocity at the step's end, and
-GAIN times the step is added to the joint's entry of MuJoCo's mass matrix (``simulate.mass``).
+GAIN times the step is added to the joint's entry of MuJoCo's mass matrix
+(``simulate.implicit_mass``).
 
 Row ``X[x:]``: STARTED; time, position, velocity, torque over the step without its GAIN, and GAIN,
 all five committed, then evaluated; the joint's entry of the mass matrix (BASE) and what stands in

@@ -90,7 +90,7 @@ def resolve_waves(model: mujoco.MjModel | ModelView) -> None:
         block[_RESOLVED] = 1.0
 
 
-def said_of_waves(model: mujoco.MjModel) -> list[str]:
+def wave_losses(model: mujoco.MjModel) -> list[str]:
     """A sentence for each tendon with a wave, which other programs do not support."""
     found = []
     for name, at in wave_blocks(model).items():

@@ -19,7 +19,7 @@ from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.shaft_wave import said_of_waves
+from frictionjoint.simulate.shaft_wave import wave_losses
 from frictionjoint.simulate.warp_layout import block_with, layout
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
@@ -305,7 +305,7 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
     found = resolve(mjm, in_userdata=False)
     if not found:
         raise ModelError("the model has no friction: use frictionjoint.install on its spec")
-    for lost in said_of_waves(mjm):
+    for lost in wave_losses(mjm):
         warnings.warn(f"mujoco_warp leaves out {lost}", RuntimeWarning, stacklevel=4)
     return found
 

@@ -2,9 +2,9 @@
 
 It does what the native callback does (`frictionjoint.simulate.callback`), with functions made from
 the same source, on rows of state that live in a warp array instead of ``mjData.userdata``: friction
-is c + G w over a step, and h G goes onto the diagonal of ``Data.M`` (`simulate.mass`), which is
-factored again afterwards. The law is computed in doubles; mujoco_warp hands it position, velocity,
-inertia and time as single floats.
+is c + G w over a step, and h G goes onto the diagonal of ``Data.M`` (`simulate.implicit_mass`),
+which is factored again afterwards. The law is computed in doubles; mujoco_warp hands it position,
+velocity, inertia and time as single floats.
 
 Time and position need care. A float clock that counts milliseconds is off by several percent of a
 step after some minutes, and the law divides by the step. A float position of a radian is off by
@@ -24,6 +24,7 @@ from typing import Any
 
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, QPOS
+from frictionjoint.simulate.joint_effects import coupled_load, effects_torque, unit_gravity
 from frictionjoint.simulate.row import (
     ASTRAY,
     BASE,
@@ -35,7 +36,6 @@ from frictionjoint.simulate.row import (
     over_the_step,
     torque_now,
 )
-from frictionjoint.simulate.with_effects import coupled_load, effects_torque, unit_gravity
 from frictionjoint.translate.warp import translate
 
 # a row of state: time and position as mujoco_warp showed them last, the same as we count them, and
@@ -65,9 +65,9 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
     made = translate(functions, room, f"frictionjoint_warp_{int(with_effects)}_{room}")
     joint_torque = made["simulate_row_torque_now"]
     implicit_torque = made["simulate_row_over_the_step"]
-    effect_torque = made.get("simulate_with_effects_effects_torque")
-    gravity_arms = made.get("simulate_with_effects_unit_gravity")
-    load_of_others = made.get("simulate_with_effects_coupled_load")
+    effect_torque = made.get("simulate_joint_effects_effects_torque")
+    gravity_arms = made.get("simulate_joint_effects_unit_gravity")
+    load_of_others = made.get("simulate_joint_effects_coupled_load")
     double, floats, doubles = wp.float64, wp.array(dtype=float), wp.array2d(dtype=wp.float64)
     vectors, matrices = wp.array2d(dtype=wp.vec3), wp.array2d(dtype=wp.mat33)
     motors = wp.array2d(dtype=motor)
@@ -146,7 +146,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         state: doubles,
         mass: wp.array2d(dtype=float),
     ):
-        """`simulate.mass.take_back`, with a mass matrix of single floats."""
+        """`simulate.implicit_mass.take_back`, with a mass matrix of single floats."""
         k, world = wp.tid()
         x, dof = row_of(numbers, blocks, rows, k, world)
         entry = rowadr[dof] + rownnz[dof] - 1

@@ -13,9 +13,9 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.kernel import header_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import COUNT, EFFECTS, HEAD, JOINT, ROW, rows_of_block
+from frictionjoint.simulate.joint_effects import asks_for_load
 from frictionjoint.simulate.motor_demand import gives_less, motors_of
 from frictionjoint.simulate.set_parameters import write_parameters
-from frictionjoint.simulate.with_effects import asks_for_load
 
 Whole = NDArray[np.int32]
 

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from frictionjoint import compiled, library
+from frictionjoint.translate.c_file import unit
 from frictionjoint.translate.compiler import FLAGS, compile_library
-from frictionjoint.translate.unit import unit
 
 
 def all_kernels() -> dict[str, Any]:

@@ -26,7 +26,7 @@ from frictionjoint.translate.kinds import (
     is_tuple,
     structure_definitions,
 )
-from frictionjoint.translate.plain import names_in, stored_in
+from frictionjoint.translate.simple_statements import names_in, stored_in
 
 _WIDTH = 100
 # C types of integers in external functions, by annotation

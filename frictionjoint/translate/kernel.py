@@ -25,7 +25,7 @@ from frictionjoint.translate.kinds import (
     kind_of,
     tuple_of,
 )
-from frictionjoint.translate.plain import plain, stored_in
+from frictionjoint.translate.simple_statements import plain, stored_in
 
 # possible values of a number that selects a branch, by module and text of the expression
 Known = Mapping[tuple[str, str], frozenset[float]]

@@ -15,7 +15,7 @@ from typing import Any
 from frictionjoint.compiled import room
 from frictionjoint.translate.kernel import Kernel, built_in, is_kernel, signature
 from frictionjoint.translate.kinds import DOUBLE, WHOLE, elements, is_tuple
-from frictionjoint.translate.plain import names_in, stored_in
+from frictionjoint.translate.simple_statements import names_in, stored_in
 
 _MATH = {"exp", "log", "sin", "cos", "tan", "atan", "tanh", "isnan", "sqrt"}
 # Warp lacks both. Kahan's formulas keep the digits that the direct formulas lose.

@@ -21,7 +21,7 @@ from frictionjoint.simulate.shaft_wave import SHAFT, wave_blocks
 from frictionjoint.simulate.userdata_room import warn_of_no_room
 
 # simulations of one model may run side by side
-_one_at_a_time = threading.Lock()
+_resolve_lock = threading.Lock()
 # functions that compiled code calls
 _kept: list[Any] = []
 
@@ -34,7 +34,7 @@ def make_ready(model: Any) -> None:
     """
     if isinstance(model, mujoco.MjModel):
         model = ModelView(model._address)
-    with _one_at_a_time:
+    with _resolve_lock:
         found = [*blocks(model).values(), *wave_blocks(model).values()]
         if not any(model.numeric_data[at + RESOLVED] == 0.0 for at in found):
             return  # another thread was here first, or a numeric that is no friction of ours

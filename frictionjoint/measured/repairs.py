@@ -131,7 +131,7 @@ def _moves(position: Array) -> bool:
     return float(np.std(position - position[0])) > 5.0 * jitter
 
 
-def said_of_silence(columns: Mapping[str, Array]) -> tuple[str, ...]:
+def silence_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
     """Notes on drives that are exactly zero for long while the joint moves.
 
     Args:
