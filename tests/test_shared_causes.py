@@ -139,7 +139,7 @@ def test_a_supply_below_its_scale_is_one_gain_of_all_drives():
     assert common.parameters["gain"].value == pytest.approx(-0.12, rel=0.05)
     # rows are in units of what is left beside it, or the joint with least gravity decides
     for joint in found.settled.joints:
-        assert joint.beside[0].name == "torque-gain"
+        assert joint.common_effects[0].name == "torque-gain"
         assert joint.left == pytest.approx(joint.rms, rel=0.1)
 
 

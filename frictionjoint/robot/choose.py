@@ -94,20 +94,20 @@ def choose(
         standing: effects common to all joints that were fitted together with the laws. They come
             first, with their best present shape, unless they are no longer justified.
     """
-    taken: list[Candidate] = list(screened.taken)
+    accepted: list[Candidate] = list(screened.accepted)
     choices: list[Choice] = []
     names = {term.name for term in standing}
     if names:
-        choice = _next(screened, taken, rng, lambda c: bool(c.common) and c.effect in names)
+        choice = _next(screened, accepted, rng, lambda c: bool(c.common) and c.effect in names)
         if choice:
             choices.append(choice)
-            taken.append(choice.candidate)
+            accepted.append(choice.candidate)
     for _ in range(_MOST_CHANGES):
-        choice = _next(screened, taken, rng)
+        choice = _next(screened, accepted, rng)
         if choice is None:
             break
         choices.append(choice)
-        taken.append(choice.candidate)
+        accepted.append(choice.candidate)
         if choice.candidate.shared and choice.bends:
             break
     return _together(screened, choices)
@@ -122,7 +122,7 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
     stack, kept = screened.stack, list(choices)
 
     def left(some: Sequence[Choice]) -> Array:
-        return stack.held_out(columns_of((*screened.taken, *(c.candidate for c in some))))
+        return stack.held_out(columns_of((*screened.accepted, *(c.candidate for c in some))))
 
     while len(kept) > 1:
         now, idle_ones = left(kept), []
@@ -134,7 +134,7 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
         if not idle_ones:
             break
         del kept[min(idle_ones)[1]]
-    known = columns_of(screened.taken)
+    known = columns_of(screened.accepted)
     numbers = stack.solution(np.concatenate([known, *(c.candidate.at for c in kept)]))
     ends = np.cumsum([len(known), *(len(c.candidate.at) for c in kept)])[:-1]
     parts = np.split(numbers, ends)[1:]
@@ -164,22 +164,22 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
 
 def _of_robot(screened: Screened) -> Columns:
     """Columns of causes in the model and of effects common to all joints."""
-    return columns_of((*screened.taken, *(c for c in screened.candidates if c.shared)))
+    return columns_of((*screened.accepted, *(c for c in screened.candidates if c.shared)))
 
 
 def _next(
     screened: Screened,
-    taken: Sequence[Candidate],
+    accepted: Sequence[Candidate],
     rng: np.random.Generator,
     wanted: Callable[[Candidate], bool] = lambda c: True,
 ) -> Choice | None:
     """The best of all candidates, if it is wanted and justified."""
-    stack, known = screened.stack, columns_of(taken)
+    stack, known = screened.stack, columns_of(accepted)
     now = stack.held_out(known)
     open_ones = [
         inside
         for c in screened.candidates
-        if not any(_excluded(c, t) for t in taken)
+        if not any(_excluded(c, t) for t in accepted)
         if (inside := within_bounds(stack, c, known)) is not None
     ]
     signs = rng.choice([-1.0, 1.0], (FLIPS, stack.clock.count))
@@ -191,9 +191,11 @@ def _next(
         for c, p in zip(open_ones, over_family(found), strict=True)
     ]
     rows = in_order(rows, lambda r: r.total)
-    strayed = stack.strayed(known)
+    deviation = stack.deviation(known)
     good = [
-        r for r in rows if _justified(stack, r, now) or _brings_back(stack, r, now, known, strayed)
+        r
+        for r in rows
+        if _justified(stack, r, now) or _brings_back(stack, r, now, known, deviation)
     ]
     best = next((r for r in good if wanted(r.candidate)), None)
     shared = any(r.candidate.shared for r in good)
@@ -222,16 +224,16 @@ def _next(
     )
 
 
-def _excluded(candidate: Candidate, taken: Candidate) -> bool:
+def _excluded(candidate: Candidate, accepted: Candidate) -> bool:
     """Whether a candidate is a form or shape of a selected one, and no richer one of it.
 
     Only one effect common to all joints is selected: its shape is that of a grid, and the rest
     would be mistaken for another effect.
     """
-    if candidate.common and taken.common:
+    if candidate.common and accepted.common:
         return True
-    richer = taken.cause is not None and len(candidate.at) > len(taken.at)
-    return candidate.changed == taken.changed and not richer
+    richer = accepted.cause is not None and len(candidate.at) > len(accepted.at)
+    return candidate.changed == accepted.changed and not richer
 
 
 def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candidate | None:
@@ -261,15 +263,15 @@ def _justified(stack: Stack, row: _Row, now: Array) -> bool:
     return enough(stack, now, row.left)
 
 
-def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, strayed: float) -> bool:
+def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, deviation: float) -> bool:
     """Whether a candidate explains as much and returns compensating bodies to their nominal values.
 
     Args:
-        strayed: their deviation from the model's values without it.
+        deviation: their deviation from the model's values without it.
     """
-    if not nearer(0.0, strayed) or not as_much(stack, row.left, now):
+    if not nearer(0.0, deviation) or not as_much(stack, row.left, now):
         return False
-    return nearer(stack.strayed(np.concatenate([known, row.candidate.at])), strayed)
+    return nearer(stack.deviation(np.concatenate([known, row.candidate.at])), deviation)
 
 
 def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:

@@ -56,14 +56,14 @@ def as_much(stack: Stack, after: Array, before: Array) -> bool:
     return least and not better(before, after) and not harms(after, before)
 
 
-def nearer(strayed: float, other: float) -> bool:
+def nearer(deviation: float, other: float) -> bool:
     """Whether bodies are noticeably nearer to the model's nominal values.
 
     Args:
-        strayed, other: squared numbers over their prior variances.
+        deviation, other: squared numbers over their prior variances.
     """
     # by about the square of one presumed deviation
-    return strayed < other - 1.0
+    return deviation < other - 1.0
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:

@@ -217,9 +217,9 @@ def _squares(
     pairs = [(p.moved(here, -_STEP), p.moved(here, _STEP), 2.0 * _STEP) for p in places]
     n, grams = len(places), []
     for joint in joints:
-        alike = common_columns(joint, joint.beside)
-        beside = [x for _, x in own_effects(joint, blocks, own)]
-        columns = np.column_stack([joint.columns(pairs), *alike, *beside])
+        alike = common_columns(joint, joint.common_effects)
+        single = [x for _, x in own_effects(joint, blocks, own)]
+        columns = np.column_stack([joint.columns(pairs), *alike, *single])
         G = gram_of(joint, columns, np.arange(columns.shape[1]), blocks).grams.sum(axis=0)
         grams.append(_apart(G, n + sum(x.shape[1] for x in alike)))
     G = _apart(np.sum(grams, axis=0), n)

@@ -27,7 +27,7 @@ class Found:
         return composed(self.causes, self.numbers, self.original)
 
     @property
-    def strayed(self) -> float:
+    def deviation(self) -> float:
         """Squared numbers over their prior variances."""
         return sum(
             float(np.sum((x / c.prior) ** 2))

@@ -40,7 +40,7 @@ class FittedJoint:
     Attributes:
         alongs: one per log. prepared: the logs with the corrected load, weighted. fit: of the law.
         shift: change of the load since the law was fitted, N m, on the kept samples; None: none.
-        beside: effects fitted together with the law so that it is not biased; the residual still
+        common_effects: fitted together with the law so that it is not biased; the residual still
             contains what they explain. levels: of the law with them, see `Fit.levels`.
         rms, left: rms residual of the law with them, N m, plain and weighted.
         unreached: part of the residual that vanishes to first order, see `reach.unreached`, (n,).
@@ -54,7 +54,7 @@ class FittedJoint:
     left: float
     unreached: Array = field(repr=False)
     shift: Array | None = None
-    beside: tuple[EffectTerm, ...] = ()
+    common_effects: tuple[EffectTerm, ...] = ()
 
     @property
     def name(self) -> str:
@@ -102,19 +102,19 @@ class FittedJoint:
         prepared = replace(self.prepared, nothing=nothing)
         if anew:
             prepared, found = with_times(
-                prepared, lambda own: fit(own, self.beside, _DAMPED), _OPEN_TIMES
+                prepared, lambda own: fit(own, self.common_effects, _DAMPED), _OPEN_TIMES
             )
             prepared, found = reweighed(prepared, found)
             prepared, found = reweighed(*settled(prepared, found))
         else:
             shape = self.fit.shape
             prepared, found = with_times(
-                prepared, lambda own: refit(own, self.beside, shape, ROUGH), _OPEN_TIMES
+                prepared, lambda own: refit(own, self.common_effects, shape, ROUGH), _OPEN_TIMES
             )
             prepared, found = reweighed(prepared, found, ROUGH)
         levels, rms, left = found.levels, found.rms, found.drive_rms * found.gain
         beyond = unreached(found)
-        if self.beside:
+        if self.common_effects:
             timing = tuple(t for t in found.terms if isinstance(t, Timing))
             found = refit(prepared, timing, found.shape, steps=1)
         return replace(

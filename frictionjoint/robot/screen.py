@@ -26,11 +26,11 @@ class Screened:
     """The stack and the meaning of its columns.
 
     Attributes:
-        taken: columns of the causes in the model. candidates: columns of possible additions.
+        accepted: columns of the causes in the model. candidates: columns of possible additions.
     """
 
     stack: Stack
-    taken: tuple[Candidate, ...]
+    accepted: tuple[Candidate, ...]
     candidates: tuple[Candidate, ...]
 
     def without(self, candidate: Candidate) -> "Screened":
@@ -71,7 +71,7 @@ def screen(
         for candidate, x in own_effects(like, clock, own):
             at = size + np.arange(x.shape[1])
             effects.append(replace(candidate, at=at, first=int(at[0])))
-            columns, size = _beside(columns, x, size), size + x.shape[1]
+            columns, size = _append(columns, x, size), size + x.shape[1]
         parts.append(columns)
     norms = [np.linalg.norm(x, axis=0) for x in parts]
     grams = []
@@ -123,7 +123,7 @@ def _start(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cau
     return descended(joints, clock, start, lambda label: False).numbers[-1]
 
 
-def _beside(columns: Array, more: Array, size: int) -> Array:
+def _append(columns: Array, more: Array, size: int) -> Array:
     """Columns padded with zeros, so that others begin at a given index."""
     room = np.zeros((len(columns), size - columns.shape[1]))
     return np.column_stack([columns, room, more])

@@ -48,14 +48,14 @@ def settle(
     joints: Sequence[FittedJoint],
     found: Found,
     each: Each[FittedJoint, FittedJoint],
-    beside: frozenset[str] = frozenset(),
+    single_effects: frozenset[str] = frozenset(),
 ) -> Settled:
     """Fit causes and laws together.
 
     Args:
         found: causes with starting numbers; joints: fitted under any corrections.
-        each: a `map`, perhaps over processes. beside: labels of effects of single joints to fit
-            too.
+        each: a `map`, perhaps over processes.
+        single_effects: labels of effects of single joints to fit too.
     """
     now = tuple(j.corrected(found.state) for j in joints)
     if not found.causes:
@@ -64,13 +64,13 @@ def settle(
         return Settled(found, now, clock(now))
     before: tuple[FittedJoint, ...] | None = None
     for _ in range(4):
-        stepped = descended(now, clock(now), found, lambda label: label in beside)
+        stepped = descended(now, clock(now), found, lambda label: label in single_effects)
         trial = _fitted_again([j.corrected(stepped.state) for j in now], _followed, each)
         # a gain below 0.1% ends the iteration
         if before is not None and _cost(trial, before) > 0.999:
             break
         found, now, before = stepped, trial, trial
-    seen = screened(now, clock(now), found, beside)
+    seen = screened(now, clock(now), found, single_effects)
     return Settled(found, now, seen.stack.clock, _covariances(seen))
 
 
@@ -103,30 +103,30 @@ def _again(joint: FittedJoint) -> FittedJoint:
     return joint.refitted()
 
 
-def fitted_beside(
+def fitted_with_common(
     joints: Sequence[FittedJoint],
     terms: tuple[EffectTerm, ...],
     each: Each[FittedJoint, FittedJoint],
 ) -> tuple[FittedJoint, ...]:
     """Joints with their laws fitted together with some effects."""
-    return _fitted_again([replace(j, beside=terms) for j in joints], _again, each)
+    return _fitted_again([replace(j, common_effects=terms) for j in joints], _again, each)
 
 
 def screened(
-    joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
+    joints: Sequence[FittedJoint], blocks: Clock, found: Found, single_effects: frozenset[str]
 ) -> Screened:
     """Columns of the causes in the model, of some effects of single joints by label, and of the
     common effects that were fitted with the laws.
     """
-    return screen(joints, blocks, found, (), beside.__contains__, joints[0].beside)
+    return screen(joints, blocks, found, (), single_effects.__contains__, joints[0].common_effects)
 
 
 def squares_left(
-    joints: Sequence[FittedJoint], blocks: Clock, found: Found, beside: frozenset[str]
+    joints: Sequence[FittedJoint], blocks: Clock, found: Found, single_effects: frozenset[str]
 ) -> Array:
     """Residual sum of squares by joint and block with causes and some effects of joints, (J, B)."""
-    seen = screened(joints, blocks, found, beside)
-    return seen.stack.held_out(columns_of((*seen.taken, *seen.candidates)))
+    seen = screened(joints, blocks, found, single_effects)
+    return seen.stack.held_out(columns_of((*seen.accepted, *seen.candidates)))
 
 
 def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
@@ -136,8 +136,8 @@ def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
 
 def _covariances(seen: Screened) -> tuple[Array, ...]:
     """Covariance of each cause's numbers."""
-    cov = covariance(seen.stack, columns_of((*seen.taken, *seen.candidates)))
-    ends = np.cumsum([0, *(len(c.at) for c in seen.taken)])
+    cov = covariance(seen.stack, columns_of((*seen.accepted, *seen.candidates)))
+    ends = np.cumsum([0, *(len(c.at) for c in seen.accepted)])
     return tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends))
 
 

@@ -29,7 +29,7 @@ from frictionjoint.robot.settle import (
     Each,
     Settled,
     covariance,
-    fitted_beside,
+    fitted_with_common,
     numbers_of,
     screened,
     settle,
@@ -87,8 +87,8 @@ def shared_causes(
     now, refused = _Now(settle(known, none, each), ()), frozenset[Cause]()
     common: tuple[tuple[Common, Choice], ...] = ()
     simplest: tuple[_Now, frozenset[str]] | None = None
-    # sets of effects of single joints that the causes were settled beside
-    besides: set[frozenset[str]] = set()
+    # sets of effects of single joints that the causes were fitted with
+    tried: set[frozenset[str]] = set()
     for turn in range(1, _MOST_ROUNDS + 1):
         progress(f"looking for causes that joints share, round {turn}")
         here = now.settled.found
@@ -97,46 +97,50 @@ def shared_causes(
         looked = screen(now.joints, now.clock, here, candidates, common=alike)
         grown: _Now | None = None
         while grown is None:
-            seen = choose(looked, rng, now.joints[0].beside)
+            seen = choose(looked, rng, now.joints[0].common_effects)
             new = [c for c in seen if c.candidate.cause is not None]
             single = [c.candidate for c in seen if not c.candidate.shared]
-            beside = frozenset(f"{c.effect} of {joint}" for c in single for joint in c.joints)
+            single_effects = frozenset(
+                f"{c.effect} of {joint}" for c in single for joint in c.joints
+            )
             common = _common(looked, seen)
             if not new:
                 break
             progress(
                 f"causes that joints share, found: {', '.join(c.candidate.label for c in new)}"
             )
-            grown = _grown(now, new, each, beside)
+            grown = _grown(now, new, each, single_effects)
             if grown is None:
                 refused |= {c.candidate.cause for c in new[:1] if c.candidate.cause}
                 looked = looked.without(new[0].candidate)
         if grown is not None:
             now, refused = grown, frozenset()
-            besides.clear()
+            tried.clear()
             continue
-        if simplest is None or simplest[0] is not now or simplest[1] != beside:
-            now, simplified = _simplified(now, open_ones, alike, each, beside)
+        if simplest is None or simplest[0] is not now or simplest[1] != single_effects:
+            now, simplified = _simplified(now, open_ones, alike, each, single_effects)
             if simplified:
-                besides.clear()
+                tried.clear()
                 continue
-            simplest = now, beside
+            simplest = now, single_effects
         terms = tuple(one.term for one, _ in common)
-        if terms != now.joints[0].beside:
+        if terms != now.joints[0].common_effects:
             # what all joints have alike has bent their laws
-            now = _settled(_beside(now, terms, each), here, now.choices, each, beside)
-            now = _without_idle(now, each, beside)
+            now = _settled(_with_common(now, terms, each), here, now.choices, each, single_effects)
+            now = _without_idle(now, each, single_effects)
             continue
         if whole and not common:
             # no single link is wrong by so much; perhaps each is by a little
             open_ones, whole = [*open_ones, *whole], []
             continue
-        besides.add(now.beside)
-        if not here.causes or beside in besides:
+        tried.add(now.single_effects)
+        if not here.causes or single_effects in tried:
             break
         # numbers that were fitted before effects of single joints were seen hold a part of them
-        now = _settled(now, here, now.choices, each, beside)
-    choices = restated(now.joints, now.clock, now.settled.found, now.choices, open_ones, beside)
+        now = _settled(now, here, now.choices, each, single_effects)
+    choices = restated(
+        now.joints, now.clock, now.settled.found, now.choices, open_ones, single_effects
+    )
     return Shared(now.settled, choices, common)
 
 
@@ -145,7 +149,7 @@ def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Cho
     choices = [(c.candidate.common, c) for c in seen if c.candidate.common]
     if not choices:
         return ()
-    at = columns_of((*looked.taken, *(c.candidate for c in seen)))
+    at = columns_of((*looked.accepted, *(c.candidate for c in seen)))
     numbers, cov = looked.stack.solution(at), covariance(looked.stack, at)
     found = []
     for term, choice in choices:
@@ -160,12 +164,12 @@ class _Now:
     """State of the search: causes fitted with the laws, and the evidence of each.
 
     Attributes:
-        beside: labels of effects of single joints that were fitted with them.
+        single_effects: labels of effects of single joints that were fitted with them.
     """
 
     settled: Settled
     choices: tuple[Choice, ...]
-    beside: frozenset[str] = frozenset()
+    single_effects: frozenset[str] = frozenset()
 
     @property
     def joints(self) -> tuple[FittedJoint, ...]:
@@ -181,15 +185,17 @@ def _settled(
     found: Found,
     choices: tuple[Choice, ...],
     each: Each[FittedJoint, FittedJoint],
-    beside: frozenset[str],
+    single_effects: frozenset[str],
 ) -> _Now:
     """The state with other causes, or with other effects of single joints."""
-    return _Now(settle(now.joints, found, each, beside), choices, beside)
+    return _Now(settle(now.joints, found, each, single_effects), choices, single_effects)
 
 
-def _beside(now: _Now, terms: tuple[EffectTerm, ...], each: Each[FittedJoint, FittedJoint]) -> _Now:
+def _with_common(
+    now: _Now, terms: tuple[EffectTerm, ...], each: Each[FittedJoint, FittedJoint]
+) -> _Now:
     """The state with the laws fitted together with common effects."""
-    joints = fitted_beside(now.joints, terms, each)
+    joints = fitted_with_common(now.joints, terms, each)
     return replace(now, settled=replace(now.settled, joints=joints))
 
 
@@ -197,7 +203,7 @@ def _grown(
     now: _Now,
     new: Sequence[Choice],
     each: Each[FittedJoint, FittedJoint],
-    beside: frozenset[str],
+    single_effects: frozenset[str],
 ) -> _Now | None:
     """The state with all accepted causes, or only the first; None if neither improves the fit.
 
@@ -205,10 +211,10 @@ def _grown(
     refitted laws they may not improve the fit.
     """
     for several in [new, new[:1]][: len(new)]:
-        trial = _without_idle(_with(now, several, each, beside), each, beside)
+        trial = _without_idle(_with(now, several, each, single_effects), each, single_effects)
         causes = [c.candidate.cause for c in several if c.candidate.cause]
         parts = {part for c in causes for part, _ in parts_of(c, c.start)}
-        if parts.intersection(trial.settled.found.causes) and _nearer(trial, now, beside):
+        if parts.intersection(trial.settled.found.causes) and _nearer(trial, now, single_effects):
             return trial
     return None
 
@@ -217,7 +223,7 @@ def _with(
     now: _Now,
     new: Sequence[Choice],
     each: Each[FittedJoint, FittedJoint],
-    beside: frozenset[str],
+    single_effects: frozenset[str],
 ) -> _Now:
     """The state with accepted causes added.
 
@@ -225,7 +231,7 @@ def _with(
     """
     terms = tuple(c.candidate.common for c in new if c.candidate.common)
     if terms:
-        now = _beside(now, terms, each)
+        now = _with_common(now, terms, each)
     found, choices = now.settled.found, now.choices
     for choice in new:
         cause = choice.candidate.cause
@@ -237,7 +243,7 @@ def _with(
             for i in reversed(at):
                 found, choices = found.without(i), choices[:i] + choices[i + 1 :]
             found, choices = found.with_cause(part, own), (*choices, choice.of(part))
-    return _settled(now, found, choices, each, beside)
+    return _settled(now, found, choices, each, single_effects)
 
 
 def _simplified(
@@ -245,53 +251,57 @@ def _simplified(
     causes: Sequence[Cause],
     common: Sequence[EffectTerm],
     each: Each[FittedJoint, FittedJoint],
-    beside: frozenset[str],
+    single_effects: frozenset[str],
 ) -> tuple[_Now, bool]:
     """A cause replaced by one with fewer numbers that explains as much, and whether it was."""
     found = now.settled.found
-    proposed = simpler(now.joints, now.clock, found, now.choices, causes, common, beside)
+    proposed = simpler(now.joints, now.clock, found, now.choices, causes, common, single_effects)
     for out, several in proposed:
         choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
         rest = _Now(replace(now.settled, found=found.without(*out)), choices)
-        trial = _without_idle(_with(rest, several, each, beside), each, beside)
+        trial = _without_idle(_with(rest, several, each, single_effects), each, single_effects)
         # fewer numbers leave a joint a little more of the data they are fitted to
-        nearly = float(_left(trial, now, beside).mean()) < 1.0 + HARM
-        if nearly and not _strays(trial, now):
+        nearly = float(_left(trial, now, single_effects).mean()) < 1.0 + HARM
+        if nearly and not _deviates_more(trial, now):
             return trial, True
     return now, False
 
 
-def _strays(after: _Now, before: _Now) -> bool:
+def _deviates_more(after: _Now, before: _Now) -> bool:
     """Whether bodies differ noticeably from the model's nominal values."""
-    return nearer(before.settled.found.strayed, after.settled.found.strayed)
+    return nearer(before.settled.found.deviation, after.settled.found.deviation)
 
 
-def _nearer(after: _Now, before: _Now, beside: frozenset[str]) -> bool:
+def _nearer(after: _Now, before: _Now, single_effects: frozenset[str]) -> bool:
     """Whether causes improve the fit of the joints, and worsen none noticeably."""
-    ratios = _left(after, before, beside)
+    ratios = _left(after, before, single_effects)
     return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + HARM
 
 
-def _left(after: _Now, before: _Now, beside: frozenset[str]) -> Array:
+def _left(after: _Now, before: _Now, single_effects: frozenset[str]) -> Array:
     """Ratio of the sums of squares after and before, by joint, (J,), with effects of single
     joints."""
     found = []
     for now in (after, before):
-        seen = screened(now.joints, now.clock, now.settled.found, beside)
+        seen = screened(now.joints, now.clock, now.settled.found, single_effects)
         squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
         found.append(squares * [j.left**2 for j in seen.stack.joints])
     return np.asarray(found[0] / found[1])
 
 
-def _without_idle(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[str]) -> _Now:
+def _without_idle(
+    now: _Now, each: Each[FittedJoint, FittedJoint], single_effects: frozenset[str]
+) -> _Now:
     """Remove, one after the other, causes without which the robot is predicted as well."""
     fewer: _Now | None = now
     while fewer is not None:
-        now, fewer = fewer, _fewer(fewer, each, beside)
+        now, fewer = fewer, _fewer(fewer, each, single_effects)
     return now
 
 
-def _fewer(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[str]) -> _Now | None:
+def _fewer(
+    now: _Now, each: Each[FittedJoint, FittedJoint], single_effects: frozenset[str]
+) -> _Now | None:
     """The state without the least needed cause; None if all are needed.
 
     After refitting the other causes, the residual must be as small as predicted to first order. The
@@ -302,11 +312,14 @@ def _fewer(now: _Now, each: Each[FittedJoint, FittedJoint], beside: frozenset[st
     for i in range(len(found.causes)):
         rest = found.without(i)
         at = [j.corrected(rest.state) for j in now.joints]
-        others.append(screened(at, now.clock, rest, beside))
-    for i, promised in idle(screened(now.joints, now.clock, found, beside), others):
+        others.append(screened(at, now.clock, rest, single_effects))
+    for i, promised in idle(screened(now.joints, now.clock, found, single_effects), others):
         choices = now.choices[:i] + now.choices[i + 1 :]
-        trial = _settled(now, found.without(i), choices, each, beside)
+        trial = _settled(now, found.without(i), choices, each, single_effects)
         most = (1.0 + HARM) * max(1.0, float(promised.mean()))
-        if not _strays(trial, now) and float(_left(trial, now, beside).mean()) <= most:
+        if (
+            not _deviates_more(trial, now)
+            and float(_left(trial, now, single_effects).mean()) <= most
+        ):
             return trial
     return None

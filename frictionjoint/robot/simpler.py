@@ -34,33 +34,35 @@ def simpler(
     choices: Sequence[Choice],
     causes: Sequence[Cause],
     common: Sequence[EffectTerm],
-    beside: frozenset[str],
+    single_effects: frozenset[str],
 ) -> Iterator[tuple[tuple[int, ...], tuple[Choice, ...]]]:
     """Replace one or two causes of the model by causes with fewer numbers that explain as much.
 
     Args:
         joints: with their laws fitted under `found`; choices: evidence of its causes.
         causes: all candidates; common: common effects that are candidates.
-        beside: labels of effects of single joints that compete.
+        single_effects: labels of effects of single joints that compete.
     """
-    left = squares_left(joints, clock, found, beside)
+    left = squares_left(joints, clock, found, single_effects)
     for out in _ones_and_twos(len(found.causes)):
         gone = [found.causes[i] for i in out]
         rest, size = found.without(*out), sum(len(c.start) for c in gone)
         # what stays in the model anyway is for a smaller set to be replaced
         fewer = [c for c in causes if len(c.start) < size and c not in found.causes]
         # effects of all joints alike come one at a time
-        terms = () if joints[0].beside else [t for t in common if len(t.coefficients) < size]
+        terms = (
+            () if joints[0].common_effects else [t for t in common if len(t.coefficients) < size]
+        )
         if not fewer and not terms:
             continue
         at = [j.corrected(rest.state) for j in joints]
-        known, seen = _opened(at, joints, clock, rest, fewer, terms, beside)
+        known, seen = _opened(at, joints, clock, rest, fewer, terms, single_effects)
         tried, nearest = [], []
         for several in _sets(seen, known, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
                 # causes are nonlinear far from the nominal parameters
-                after = _settled(at, clock, rest, several, beside)
-                squares = _left(at, clock, after, beside)
+                after = _settled(at, clock, rest, several, single_effects)
+                squares = _left(at, clock, after, single_effects)
             else:
                 squares = seen.stack.held_out(_with(known, several))
             total = float(squares.sum())
@@ -71,9 +73,9 @@ def simpler(
         if not tried and nearest:
             # nor are two that change together: they count where bodies come back by them
             _, several = min(nearest, key=lambda one: one[0])
-            after = _settled(at, clock, rest, several, beside)
-            squares = _left(at, clock, after, beside)
-            if nearer(after.strayed, found.strayed) and as_much(seen.stack, squares, left):
+            after = _settled(at, clock, rest, several, single_effects)
+            squares = _left(at, clock, after, single_effects)
+            if nearer(after.deviation, found.deviation) and as_much(seen.stack, squares, left):
                 tried.append((_size(several), float(squares.sum()), several))
         if tried:
             yield out, _choices(seen, known, _simplest(tried), choices[out[0]])
@@ -91,17 +93,17 @@ def _opened(
     rest: Found,
     causes: Sequence[Cause],
     terms: Sequence[EffectTerm],
-    beside: frozenset[str],
+    single_effects: frozenset[str],
 ) -> tuple[Columns, Screened]:
     """Causes and effects that are kept, and new ones as candidates.
 
     Effects of single joints keep the shapes they have with the removed causes, because a fit
     without these causes would bias the shapes.
     """
-    here = joints[0].beside
-    seen = screen(joints, clock, rest, causes, beside.__contains__, (*here, *terms), shaped)
+    here = joints[0].common_effects
+    seen = screen(joints, clock, rest, causes, single_effects.__contains__, (*here, *terms), shaped)
     stands = [not c.shared or c.common in here for c in seen.candidates]
-    known = columns_of((*seen.taken, *itertools.compress(seen.candidates, stands)))
+    known = columns_of((*seen.accepted, *itertools.compress(seen.candidates, stands)))
     open_ones = [c for c, stood in zip(seen.candidates, stands, strict=True) if not stood]
     return known, replace(seen, candidates=tuple(open_ones))
 
@@ -111,21 +113,21 @@ def _settled(
     clock: Clock,
     rest: Found,
     several: Sequence[Candidate],
-    beside: frozenset[str],
+    single_effects: frozenset[str],
 ) -> Found:
     """Causes fitted together with others, with numbers as accurate as theirs."""
     start = rest
     for candidate in several:
         assert candidate.cause is not None
         start = start.with_cause(candidate.cause, candidate.cause.start)
-    return descended(joints, clock, start, beside.__contains__)
+    return descended(joints, clock, start, single_effects.__contains__)
 
 
 def _left(
-    joints: Sequence[FittedJoint], clock: Clock, found: Found, beside: frozenset[str]
+    joints: Sequence[FittedJoint], clock: Clock, found: Found, single_effects: frozenset[str]
 ) -> Array:
     """Sums of squares of joints with causes that did not correct them, (J, B)."""
-    return squares_left([j.corrected(found.state) for j in joints], clock, found, beside)
+    return squares_left([j.corrected(found.state) for j in joints], clock, found, single_effects)
 
 
 def _size(several: Sequence[Candidate]) -> int:

@@ -125,7 +125,7 @@ class Stack:
         """Coefficients of columns fitted to the residuals, shape (k,)."""
         return least_squares(self.total[np.ix_(at, at)], self.total[at, -1])
 
-    def strayed(self, at: Columns) -> float:
+    def deviation(self, at: Columns) -> float:
         """Squared coefficients, fitted together, over their prior variances."""
         own = self.precision[at] > 0.0
         precision = self.precision[at][own]

@@ -28,17 +28,17 @@ def restated(
     found: Found,
     choices: Sequence[Choice],
     causes: Sequence[Cause],
-    beside: frozenset[str],
+    single_effects: frozenset[str],
 ) -> tuple[Choice, ...]:
     """The evidence of the causes, with the ties that remain.
 
     Args:
         joints: with their laws fitted under `found`. choices: of its causes, with their earlier
             ties.
-        causes: all candidates. beside: labels of effects of single joints in the model.
+        causes: all candidates. single_effects: labels of effects of single joints in the model.
     """
-    left = squares_left(joints, clock, found, beside)
-    there = {c.label for c in found.causes} | beside
+    left = squares_left(joints, clock, found, single_effects)
+    there = {c.label for c in found.causes} | single_effects
     kept = []
     for i, choice in enumerate(choices):
         wanted = frozenset(choice.ties) - there
@@ -47,7 +47,7 @@ def restated(
             own, rest = found.causes[i], found.without(i)
             rivals = [c for c in causes if c.label in wanted and c.changed != own.changed]
             at = [j.corrected(rest.state) for j in joints]
-            named, here = (beside | wanted).__contains__, joints[0].beside
+            named, here = (single_effects | wanted).__contains__, joints[0].common_effects
             seen = screen(at, clock, rest, [own, *rivals], named, here, joints)
             ties = tuple(c.label for c in _as_good(seen, own, wanted, left))
         kept.append(replace(choice, ties=tuple(dict.fromkeys(ties))))
@@ -68,7 +68,7 @@ def _as_good(
     stand = [c for c in seen.candidates if c is not itself and c.label not in wanted]
 
     def squares(*several: Candidate) -> Array:
-        return seen.stack.held_out(columns_of((*seen.taken, *stand, *several)))
+        return seen.stack.held_out(columns_of((*seen.accepted, *stand, *several)))
 
     alone = float(squares(itself).sum())
     for c in open_ones:
