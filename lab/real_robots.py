@@ -150,7 +150,12 @@ def section(name: str, folder: Path) -> str:
     """A robot's part of the page."""
     report = json.loads((folder / "report.json").read_text())
     spent = json.loads((folder / "spent.json").read_text())
-    before, after = (report[key]["torque_percent"]["held_out"] for key in ("before", "after"))
+    joints = report["joints"].values()
+    # of each joint's whole torque, as in the rows: held out, a joint may be nearly at rest
+    before, after = (
+        100.0 * np.mean([r[key]["torque_rms"]["held_out"] / r["measured_rms"] for r in joints])
+        for key in ("before", "after")
+    )
     pair = [report[key]["replay_rms"]["held_out"] for key in ("before", "after")]
     lines = [
         f"## {name}",
