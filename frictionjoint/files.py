@@ -35,18 +35,39 @@ def read_parameters(path: Path) -> JointFriction:
         raise ParameterError(f"{path}: {error}") from None
 
 
+def read_report(path: Path) -> tuple[Path, Any]:
+    """The report.json of a folder, or a file itself, and its content.
+
+    Raises:
+        ParameterError: the file is missing, or no JSON.
+    """
+    file = path / "report.json" if path.is_dir() else path
+    return file, read_json(file, "give report.json of close-loop")
+
+
+def read_json(path: Path, fix: str) -> Any:
+    """Content of a JSON file.
+
+    Args:
+        fix: what the user should do if it is no JSON.
+    Raises:
+        ParameterError: the file is missing, or no JSON.
+    """
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise ParameterError(f"{path}: not JSON: {fix}") from None
+
+
 def read_samples(path: Path) -> tuple[JointFriction, ...]:
     """Friction of one joint, one per sample, from the JSON that ``frictionjoint sample`` writes.
 
     Raises:
         ParameterError: the file is missing, is no such list, or contains an unknown entry.
     """
-    try:
-        tables = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise ParameterError(f"{path}: not JSON: write it with `frictionjoint sample`") from None
+    tables = read_json(path, "write it with `frictionjoint sample`")
     if not isinstance(tables, list) or not tables or not all(isinstance(x, dict) for x in tables):
         raise ParameterError(f"{path}: no list of tables: write it with `frictionjoint sample`")
     samples = []

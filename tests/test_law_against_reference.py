@@ -16,7 +16,7 @@ from frictionjoint import friction_torque
 from frictionjoint.parameters import FrictionParameters
 
 # the mutation check runs without a compiler and takes fewer
-MOTIONS = int(os.environ.get("FRICTIONJOINT_MOTIONS", "200"))
+MOTIONS = int(os.environ.get("FRICTIONJOINT_MOTIONS", "100"))
 
 
 def test_random_motions_agree_and_reach_every_mechanism():

@@ -30,17 +30,11 @@ def sample(
     `frictionjoint sample robot_report --joint elbow --n 1024 --out elbow.json`
     """
     from frictionjoint.errors import ParameterError
-    from frictionjoint.files import toml_document
+    from frictionjoint.files import read_report, toml_document
     from frictionjoint.refine.posterior import Posterior
     from frictionjoint.report.write import write_files
 
-    file = report / "report.json" if report.is_dir() else report
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterError(f"{file}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise ParameterError(f"{file}: not JSON: give report.json of close-loop") from None
+    file, content = read_report(report)
     own = _of_joint(content, joint, file)
     if "posterior" not in own:
         raise ParameterError(

@@ -5,7 +5,6 @@ beyond the law depend on more than the joint's own motion; they are named, not d
 """
 
 import io
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -19,6 +18,7 @@ from matplotlib.figure import Figure
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import title
 from frictionjoint.errors import ParameterError
+from frictionjoint.files import read_report
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
@@ -72,13 +72,7 @@ def joints_of_report(path: Path) -> dict[str, dict[str, Any]]:
     Raises:
         ParameterError: the file is missing, or no report of a joint or a robot.
     """
-    file = path / "report.json" if path.is_dir() else path
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterError(f"{file}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise ParameterError(f"{file}: not JSON: give report.json of close-loop") from None
+    file, content = read_report(path)
     if isinstance(content, dict) and "joints" in content:
         return {name: joint_content(content, name) for name in content["joints"]}
     if not isinstance(content, dict) or "after" not in content:
