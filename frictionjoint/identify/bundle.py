@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, A, V
+from frictionjoint.identify.cache import Cache
 from frictionjoint.identify.commanded import Change, Commanded, CommandedLogs
 from frictionjoint.identify.reversals import Path
-from frictionjoint.identify.store import Store
 from frictionjoint.identify.tracks import Start, Tracks
 from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, places
 
@@ -70,7 +70,7 @@ class Bundle(Generic[_Log]):
         self._filters = LowPasses([log.filter for log in logs])
         self._kept = np.concatenate([log.kept for log in logs])
         # bytes; most results serve the next point of a search, or the next search
-        self.store = Store(12_000_000)
+        self.store = Cache(12_000_000)
 
     @cached_property
     def tracks(self) -> Tracks:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.layout import LEAST_LEVEL, Layout
-from frictionjoint.identify.of_load import with_load
+from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.segment import Drive
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term

@@ -26,9 +26,9 @@ from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError, few
 from frictionjoint.identify.basis import pseudo_inverse
+from frictionjoint.identify.error_messages import driven, too_large, turned_round, unexplained
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
-from frictionjoint.identify.refusals import driven, too_large, turned_round, unexplained
 from frictionjoint.identify.segment import Prepared, Segment
 
 # Largest part of the torque's rms that a model may leave: a tenth of the mean square is explained

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.rough import with_leaps
+from frictionjoint.identify.nonsmooth_errors import with_leaps
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.uncertainty import covariance
 

@@ -15,13 +15,13 @@ from scipy.optimize import least_squares, minimize_scalar
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import Q
-from frictionjoint.identify.compass import compass
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
 from frictionjoint.identify.elastic_share import RESOLUTION, implied_share
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import Layout, layout_of
+from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
 from frictionjoint.identify.motor_torque import solutions
-from frictionjoint.identify.of_load import less_load, with_load, with_sizes
+from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of, first_least
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
@@ -250,7 +250,7 @@ class Search:
         axes = self.leaping if closeness <= CLOSE else []
         # at most three rounds of finite steps, each with a gain of 0.1% or more
         for _ in range(3 if axes else 0):
-            there = compass(self.squares, place.x, axes, *self.bounds)
+            there = pattern_search(self.squares, place.x, axes, *self.bounds)
             found = self._descended(there, steps, closeness)
             gained = place.cost - found.cost
             place = best_of([place, found], lambda p: p.cost)

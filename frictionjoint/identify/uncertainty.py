@@ -29,7 +29,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.of_load import with_load
+from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.segment import Prepared
 
 # regimes: equally filled ranges of speed, each in both directions

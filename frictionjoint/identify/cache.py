@@ -1,4 +1,4 @@
-"""LRU cache of arrays derived from logs."""
+"""Least-recently-used cache of arrays derived from logs."""
 
 from collections import OrderedDict
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from threading import Lock
 from frictionjoint.arrays import Array
 
 
-class Store:
+class Cache:
     """Least-recently-used cache of arrays by key.
 
     Threads may use it in parallel. It is not passed to other processes.
@@ -21,8 +21,8 @@ class Store:
         self._found: OrderedDict[object, Array] = OrderedDict()
         self._lock = Lock()
 
-    def __reduce__(self) -> tuple[type["Store"], tuple[int]]:
-        return Store, (self._most,)
+    def __reduce__(self) -> tuple[type["Cache"], tuple[int]]:
+        return Cache, (self._most,)
 
     def get(self, key: object, make: Callable[[], Array]) -> Array:
         """The array of a key, computed if necessary; it must not be changed."""

@@ -10,16 +10,16 @@ from trial_logs import PENDULUM, prepared_logs
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import DT, MOTOR, N_SIGNALS, RATE, H
+from frictionjoint.identify.cache import Cache
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.store import Store
 from frictionjoint.identify.terms import EffectTerm
 
 FIXED = [e for e in CATALOGUE if not (EffectTerm(e).follows_law or e.on_motor or e.delays)]
 
 
 def test_the_latest_stay_as_far_as_there_is_room():
-    known, made = Store(100 * 8), []
+    known, made = Cache(100 * 8), []
 
     def make(k):
         made.append(k)

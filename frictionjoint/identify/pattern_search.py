@@ -1,4 +1,4 @@
-"""Compass search: minimum of a rough function by finite steps along each axis.
+"""Pattern search: minimum of a rough function by finite steps along each axis.
 
 The sum of squares over the width of a gap, or over a threshold, is a valley with a rough floor: an
 impact shifts by a sample, a sample crosses the threshold. A gradient search stops at the first
@@ -15,7 +15,7 @@ from frictionjoint.arrays import Array
 _FIRST, _LAST = 0.16, 0.002
 
 
-def compass(
+def pattern_search(
     squares: Callable[[Array], float], x: Array, axes: Sequence[int], low: Array, high: Array
 ) -> Array:
     """A point from which no step along these axes reduces the sum of squares, shape (p,).

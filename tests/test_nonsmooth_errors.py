@@ -10,12 +10,12 @@ from servo_plant import COUNT, PLANT
 
 from frictionjoint.effects import backlash, torque_bias
 from frictionjoint.identify.blocks import make_blocks
-from frictionjoint.identify.compass import compass
 from frictionjoint.identify.layout import Layout
-from frictionjoint.identify.of_load import less_load, with_load, with_sizes
+from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
+from frictionjoint.identify.nonsmooth_errors import with_leaps
+from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.rough import with_leaps
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 
@@ -30,14 +30,14 @@ def test_a_dent_of_a_valley_is_not_its_end():
     x = np.array([3.6, 4.2])
     low, high = np.full(2, 0.1), np.full(2, 100.0)
     stuck = least_squares(rough, x, bounds=(low, high)).x
-    found = compass(lambda x: float(np.sum(rough(x) ** 2)), x, (0, 1), low, high)
+    found = pattern_search(lambda x: float(np.sum(rough(x) ** 2)), x, (0, 1), low, high)
     assert np.abs(stuck / (3.0, 5.0) - 1.0).max() > 0.05
     np.testing.assert_allclose(found, (3.0, 5.0), rtol=0.03)
 
 
 def test_a_search_in_steps_stays_in_range_and_moves_what_it_may():
     x, low, high = np.array([2.0, 2.0]), np.array([0.0, 0.0]), np.array([3.0, 9.0])
-    found = compass(lambda x: float(np.sum((x - 5.0) ** 2)), x, (0,), low, high)
+    found = pattern_search(lambda x: float(np.sum((x - 5.0) ** 2)), x, (0,), low, high)
     np.testing.assert_allclose(found, (3.0, 2.0))
 
 

@@ -7,7 +7,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.identify.basis import orthonormal
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.of_load import with_load
+from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.search import Search
 from frictionjoint.identify.segment import Prepared
 
