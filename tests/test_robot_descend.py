@@ -3,15 +3,11 @@
 import numpy as np
 import pytest
 
-from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia
-from frictionjoint.robot.causes.cause import composed
-from frictionjoint.robot.causes.gear_coupling import GearCoupling
 from frictionjoint.robot.causes.payload import Payload
-from frictionjoint.robot.causes.rotor_inertia import RotorInertia
 from frictionjoint.robot.clock import clock
-from frictionjoint.robot.corrections import Corrections, Shaft
-from frictionjoint.robot.descend import _moves, _Place, _places, _read, descended
+from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.descend import descended
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.inertia import possible
 from frictionjoint.robot.joint import FittedJoint
@@ -60,49 +56,6 @@ def test_a_start_far_off_is_no_worse_than_none(joints):
     at = [j.corrected(start.state) for j in joints]
     found = descended(at, clock(joints), start, lambda label: False)
     assert sum(rms(joints, found)) < sum(rms(joints, nothing))
-
-
-def test_coordinates_are_those_that_the_causes_move(joints):
-    found = found_of(joints, RotorInertia("j1", 0.0), BaseTilt(), Payload(2, "link2"))
-    places = _places(found)
-    assert {p.kind for p in places} == {"armature", "gravity", "phi"}
-    assert {p.which for p in places if p.kind == "phi"} == {2}
-
-
-def test_each_number_moves_what_all_causes_together_say(joints):
-    """Shafts lie one behind the other: those of later causes are not there yet."""
-    shafts = [GearCoupling(("j1", "j2"), ratio, 2.0) for ratio in (1.0, -1.0)]
-    found = found_of(joints, shafts[0], BodyInertia(2, "link2", "all ten"), BaseTilt(), shafts[1])
-    rng = np.random.default_rng(0)
-    numbers = tuple(0.1 * rng.random(len(c.start)) for c in found.causes)
-    places = _places(found)
-    moves = _moves(found.original, found.causes, numbers, places)
-    together, ends = np.concatenate(numbers), np.cumsum([len(n) for n in numbers])[:-1]
-
-    def whole(x):
-        return _read(composed(found.causes, tuple(np.split(x, ends)), found.original), places)
-
-    for column, way in zip(moves.T, 1e-6 * np.eye(len(together)), strict=True):
-        there = (whole(together + way) - whole(together - way)) / 2e-6
-        np.testing.assert_allclose(column, there, rtol=1e-3, atol=1e-3 * np.abs(there).max())
-
-
-def test_a_coordinate_moves_itself_alone(joints):
-    state = found_of(joints).original
-    shaft = Shaft(("j1", "j2"), 1.0, 2.0, 0.1, 0.2, 0.3, 0.4)
-    state = Corrections(state.phi, state.gravity, shafts=(shaft,))
-    places = [
-        _Place("phi", 1, 4),
-        _Place("gravity", 0, 2),
-        _Place("armature", "j1"),
-        _Place("offset", "j2"),
-        _Place("shaft", 0, 1),
-    ]
-    for place in places:
-        moved = place.moved(state, 0.25)
-        for other in places:
-            change = other.of(moved) - other.of(state)
-            assert change == pytest.approx(0.25 if other == place else 0.0)
 
 
 def test_a_number_that_moves_no_torque_stays_at_nothing():
