@@ -21,18 +21,18 @@ def require_model(model: Any, function: str) -> None:
     if isinstance(model, mujoco.MjModel):
         return
     if isinstance(model, str | Path):
-        mend = f"load {str(model)[:60]!r} with frictionjoint.load_model first"
+        fix = f"load {str(model)[:60]!r} with frictionjoint.load_model first"
     elif isinstance(model, mujoco.MjSpec):
-        mend = "give spec.compile()"
+        fix = "give spec.compile()"
     elif isinstance(model, mujoco.MjData):
-        mend = "give the model that this data belongs to"
+        fix = "give the model that this data belongs to"
     elif isinstance(getattr(model, "ptr", None), mujoco.MjModel):
-        mend = "give its .ptr, the MjModel within"
+        fix = "give its .ptr, the MjModel within"
     elif isinstance(getattr(getattr(model, "unwrapped", None), "model", None), mujoco.MjModel):
-        mend = "give its .unwrapped.model"
+        fix = "give its .unwrapped.model"
     else:
-        mend = f"give an MjModel, from {_COMPILED}"
-    raise TypeError(f"{function} takes a mujoco.MjModel, not {kind_of(model)}: {mend}")
+        fix = f"give an MjModel, from {_COMPILED}"
+    raise TypeError(f"{function} takes a mujoco.MjModel, not {kind_of(model)}: {fix}")
 
 
 def require_data(data: Any, function: str, model: mujoco.MjModel) -> None:
@@ -44,23 +44,23 @@ def require_data(data: Any, function: str, model: mujoco.MjModel) -> None:
     if isinstance(data, mujoco.MjData):
         _require_own(data, function, model)
         return
-    mend = "give mujoco.MjData(model)"
+    fix = "give mujoco.MjData(model)"
     if isinstance(getattr(data, "ptr", None), mujoco.MjData):
-        mend = "give its .ptr, the MjData within"
-    raise TypeError(f"{function} takes a mujoco.MjData, not {kind_of(data)}: {mend}")
+        fix = "give its .ptr, the MjData within"
+    raise TypeError(f"{function} takes a mujoco.MjData, not {kind_of(data)}: {fix}")
 
 
 def _require_own(data: mujoco.MjData, function: str, model: mujoco.MjModel) -> None:
-    mend = "give the data of this model, made by mujoco.MjData(model)"
+    fix = "give the data of this model, made by mujoco.MjData(model)"
     for name, own in (("qpos", model.nq), ("qvel", model.nv), ("userdata", model.nuserdata)):
         there = len(getattr(data, name))
         if there != own:
             raise ModelError(
-                f"{function}: the data have {there} numbers of {name}, the model {own}: {mend}"
+                f"{function}: the data have {there} numbers of {name}, the model {own}: {fix}"
             )
     # copies of a model, as a batch makes them, have its signature
     if data.signature != model.signature:
-        raise ModelError(f"{function}: the data belong to another model: {mend}")
+        raise ModelError(f"{function}: the data belong to another model: {fix}")
 
 
 def require_spec(spec: Any, function: str = "install") -> None:
@@ -68,12 +68,12 @@ def require_spec(spec: Any, function: str = "install") -> None:
     if isinstance(spec, mujoco.MjSpec):
         return
     if isinstance(spec, str | Path):
-        mend = "give mujoco.MjSpec.from_file(path), or from_string(text)"
+        fix = "give mujoco.MjSpec.from_file(path), or from_string(text)"
     elif isinstance(spec, mujoco.MjModel):
-        mend = "a compiled model cannot be changed, give the spec that it was compiled from"
+        fix = "a compiled model cannot be changed, give the spec that it was compiled from"
     else:
-        mend = "give mujoco.MjSpec.from_file(path)"
-    raise TypeError(f"{function} takes a mujoco.MjSpec, not {kind_of(spec)}: {mend}")
+        fix = "give mujoco.MjSpec.from_file(path)"
+    raise TypeError(f"{function} takes a mujoco.MjSpec, not {kind_of(spec)}: {fix}")
 
 
 def require_friction(friction: Any, function: str = "install") -> None:

@@ -49,14 +49,14 @@ def require_parameters(parameters: Any, where: str) -> None:
     if isinstance(parameters, tuple(_CLASSES.values())):
         return
     if isinstance(parameters, Mapping):
-        mend = "make them with FrictionParameters.from_dict(...)"
+        fix = "make them with FrictionParameters.from_dict(...)"
     elif isinstance(parameters, str | Path):
-        mend = "read the file with frictionjoint.files.read_parameters(path).parameters"
+        fix = "read the file with frictionjoint.files.read_parameters(path).parameters"
     elif hasattr(parameters, "parameters") and hasattr(parameters, "effects"):
-        mend = "give its .parameters, and its .effects as the effects of the joint"
+        fix = "give its .parameters, and its .effects as the effects of the joint"
     else:
-        mend = "make them with FrictionParameters(...)"
-    raise TypeError(f"{where}: {kind_of(parameters)} is not a set of friction parameters: {mend}")
+        fix = "make them with FrictionParameters(...)"
+    raise TypeError(f"{where}: {kind_of(parameters)} is not a set of friction parameters: {fix}")
 
 
 def kind_of(value: Any) -> str:

@@ -29,8 +29,8 @@ def require_writable(
     """
     folder = files is not None
     if out.exists() and out.is_dir() != folder:
-        mend = "a file has this name, give a folder" if folder else "a folder has this name"
-        raise FrictionJointError(f"--out {out}: {mend}")
+        fix = "a file has this name, give a folder" if folder else "a folder has this name"
+        raise FrictionJointError(f"--out {out}: {fix}")
     if not force:
         written = [out] if files is None else [out / name for name in files]
         _require_others(written, made_from)

@@ -209,10 +209,10 @@ def difference(log: JointLog, controller: Controller) -> float | None:
     measured = getattr(log, kind)
     if measured is None or UNKNOWN in (controller.kp, controller.supply_v):
         return None
-    seen = commands(log, controller)
-    made = seen.drive()
-    size = root_mean_square(made[seen.on])
-    return float(np.median(np.abs(measured - made)[seen.on])) / size if size else None
+    ticks = commands(log, controller)
+    computed = ticks.drive()
+    size = root_mean_square(computed[ticks.on])
+    return float(np.median(np.abs(measured - computed)[ticks.on])) / size if size else None
 
 
 def check_drive(log: JointLog, controller: Controller) -> tuple[str, ...]:

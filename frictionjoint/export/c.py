@@ -79,9 +79,9 @@ def header(friction: Mapping[str, JointFriction], guard: str) -> str:
         ModelError: two joints' names become one C identifier.
     """
     joints = [_joint(name, carried) for name, carried in friction.items()]
-    taken = [joint.identifier for joint in joints]
+    identifiers = [joint.identifier for joint in joints]
     for i, joint in enumerate(joints):
-        if joint.identifier in taken[:i]:
+        if joint.identifier in identifiers[:i]:
             raise ModelError(
                 f"joint {joint.name!r} and another are both {joint.identifier} in C: rename one"
             )

@@ -5,14 +5,14 @@ from typing import Any
 from frictionjoint.errors import ParameterError
 
 
-def expect(value: Any, kinds: type | tuple[type, ...], name: str, mend: str) -> None:
+def expect(value: Any, kinds: type | tuple[type, ...], name: str, fix: str) -> None:
     """Require an argument to be of one of some types.
 
     Raises:
         TypeError: it is not; one line with its name, its type and the expected type.
     """
     if not isinstance(value, kinds):
-        raise TypeError(f"{name} is of type {type(value).__name__}: {mend}")
+        raise TypeError(f"{name} is of type {type(value).__name__}: {fix}")
 
 
 def require_seed(seed: Any) -> None:

@@ -139,7 +139,7 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     if "time_s" not in table:
         prefix = f"{joint}." if joints_in(table) else ""
         raise LogError(
-            f"{source}: no column 'time_s', {_has(table)}; {_mend(prefix, table)}; where there are "
+            f"{source}: no column 'time_s', {_has(table)}; {_fix(prefix, table)}; where there are "
             "no times, give the sample rate, --column time_s=500Hz"
         )
     joints = joints_in(table)
@@ -168,24 +168,22 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
     if not hinge and not slide:
         raise LogError(
             f"{source}: no column '{prefix}position_rad' (slide: position_m), {_has(table)}; "
-            f"{_mend(prefix, table)}"
+            f"{_fix(prefix, table)}"
         )
-    alien = [c for c in chosen if c in (_SLIDE if hinge else _HINGE)]
-    if alien:
+    foreign = [c for c in chosen if c in (_SLIDE if hinge else _HINGE)]
+    if foreign:
         kinds = ("position_rad", "velocity_rad_s") if hinge else ("position_m", "velocity_m_s")
         kind = next(x for x in kinds if x in chosen)
         raise LogError(
-            f"{source}: {prefix}{alien[0]} and {prefix}{kind} exclude each other: remove one"
+            f"{source}: {prefix}{foreign[0]} and {prefix}{kind} exclude each other: remove one"
         )
     if not any(c in chosen for c in _DRIVES):
         drive = "torque_nm" if hinge else "force_n"
         wanted = " or ".join(f"'{prefix}{name}'" for name in (drive, "voltage_v", "current_a"))
-        raise LogError(
-            f"{source}: no column {wanted}, {_has(table)}; {_mend(prefix, table, drive)}"
-        )
+        raise LogError(f"{source}: no column {wanted}, {_has(table)}; {_fix(prefix, table, drive)}")
 
 
-def _mend(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
+def _fix(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
     """The command options that would name all missing columns, with likely columns filled in."""
     names, parts = list(table), []
     ours = {x.removeprefix(prefix) for x in names}

@@ -1,6 +1,6 @@
 """Checks of a log; each error is one line with file, row, column and remedy.
 
-Nothing is changed here. What can be repaired without a guess is repaired in `mend`, with a note.
+Nothing is changed here. What can be repaired without a guess is repaired in `fix`, with a note.
 """
 
 from collections.abc import Callable, Mapping
@@ -184,10 +184,10 @@ def _travel_leapt(time: Array, position: Array) -> float:
     moved = step[step > 0.0]
     if not len(moved):
         return 0.0
-    beside = np.maximum(step[:-2], step[2:])
+    neighbouring = np.maximum(step[:-2], step[2:])
     count = float(np.quantile(moved, 0.01))
     here = step[1:-1]
-    leaps = (here > _LEAP_ALONE * beside) & (here > _LEAP_COUNTS * count)
+    leaps = (here > _LEAP_ALONE * neighbouring) & (here > _LEAP_COUNTS * count)
     if np.count_nonzero(leaps) < _FEWEST_LEAPS:
         return 0.0
     return float(here[leaps].sum() / step.sum())
@@ -197,11 +197,11 @@ def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:
     unit = name.rpartition(".")[2]
     if unit not in _LARGEST:
         return
-    largest, mend = _LARGEST[unit]
+    largest, fix = _LARGEST[unit]
     i = max(int(np.argmax(x)), int(np.argmin(x)), key=lambda k: abs(x[k]))
     size = abs(float(x[i]))
     if size > largest:
-        raise LogError(f"{source}, row {row(i)}, {name}: {x[i]:g} is too large: give {mend}")
+        raise LogError(f"{source}, row {row(i)}, {name}: {x[i]:g} is too large: give {fix}")
 
 
 def _check_fractions(source: str, name: str, x: Array) -> None:

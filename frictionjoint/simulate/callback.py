@@ -26,7 +26,7 @@ from frictionjoint.simulate.joint_effects import (
     joint_effects,
 )
 from frictionjoint.simulate.layout import data_structure
-from frictionjoint.simulate.motor_demand import asked_torque, controls, gives_less
+from frictionjoint.simulate.motor_demand import commanded_torque, controls, gives_less
 from frictionjoint.simulate.native import PGS, PROJECTED, RK4
 from frictionjoint.simulate.resolve_when_stepped import make_ready
 from frictionjoint.simulate.row import BASE, T_EVALUATED
@@ -67,9 +67,9 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         weight = float(model.dof_invweight0[dof])
         F = joint_torque(P, block + HEAD, effects, X, x, t, q, v, step, h, own, weight)
         if P[effects] > 0.0:
-            asked = 0.0
+            commanded = 0.0
             if gives_less(P, effects):
-                asked = asked_torque(
+                commanded = commanded_torque(
                     joint,
                     q,
                     v,
@@ -112,7 +112,7 @@ def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 model.opt.gravity,
                 data.xmat.reshape(-1),
                 int(model.jnt_bodyid[joint]),
-                asked,
+                commanded,
             )
         data.qfrc_passive[dof] -= F
         if put_in(X, x, data.M, entry, h):

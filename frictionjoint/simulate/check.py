@@ -100,13 +100,13 @@ def integrator_note(model: mujoco.MjModel) -> str:
 def _outside(timestep: float, ratio: float, damping_ratio: float, implicit: bool) -> list[str]:
     """A sentence per exceeded limit of the time step."""
     limit = _IMPLICIT if implicit else _EXPLICIT
-    mend = "" if implicit else "use the integrator implicitfast, or "
+    fix = "" if implicit else "use the integrator implicitfast, or "
     found = []
     for what, value in (("h sqrt(K/J)", ratio), ("h sigma/J", damping_ratio)):
         if value > limit:
             found.append(
                 f"{what} is {value:.3g}, above {limit:g}, to which joints are tested"
-                f"{'' if implicit else ' with RK4'}: {mend}take a timestep <= "
+                f"{'' if implicit else ' with RK4'}: {fix}take a timestep <= "
                 f"{timestep * limit / value:.2g} s"
             )
     return found

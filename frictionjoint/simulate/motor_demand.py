@@ -41,7 +41,7 @@ def gives_less(P: Vector, effects: int) -> bool:
 
 
 @compiled
-def asked_torque(
+def commanded_torque(
     joint: int,
     q: float,
     v: float,
@@ -112,7 +112,7 @@ def motors_of(model: mujoco.MjModel | ModelView, joint: int) -> list[int]:
 
 
 def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> None:
-    """Check that `asked_torque` supports the motors that deliver less than commanded.
+    """Check that `commanded_torque` supports the motors that deliver less than commanded.
 
     Raises:
         ModelError: an actuator of another kind on the joint, or none.

@@ -16,7 +16,7 @@ from frictionjoint.simulate.fast_step import joint_torque
 from frictionjoint.simulate.implicit_mass import put_in, take_back
 from frictionjoint.simulate.joint_effects import asks_for_load, coupled_load, joint_effects
 from frictionjoint.simulate.layout import offsets
-from frictionjoint.simulate.motor_demand import asked_torque, gives_less
+from frictionjoint.simulate.motor_demand import commanded_torque, gives_less
 from frictionjoint.simulate.pointers import (
     Address,
     bind_mujoco,
@@ -230,11 +230,11 @@ def native(m: Address, d: Address) -> None:
         F = joint_torque(P, block + HEAD, effects, X, x, t, q, v, step, h, own, weights[dof])
         if P[effects] > 0.0:
             joint = int(P[block + JOINT])
-            asked = 0.0
+            commanded = 0.0
             if gives_less(P, effects):
                 # until MuJoCo 3.12 each actuator has one control and one output, of its number
                 apart = AT[M_NACTUATOR] != 0
-                asked = asked_torque(
+                commanded = commanded_torque(
                     joint,
                     q,
                     v,
@@ -286,7 +286,7 @@ def native(m: Address, d: Address) -> None:
                 reals_in(m, AT[M_GRAVITY]),
                 reals(d, AT[D_XMAT]),
                 int(shorts(m, AT[M_JNT_BODYID])[joint]),
-                asked,
+                commanded,
             )
         passive[dof] -= F
         if put_in(X, x, M, entry, h):

@@ -112,7 +112,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         gains: motors,
         biases: motors,
     ):
-        """Commanded torque of a joint's motors, see `motor_demand.asked_torque`."""
+        """Commanded torque of a joint's motors, see `motor_demand.commanded_torque`."""
         total = double(0.0)
         for n in range(first, last):
             i = acting[n]

@@ -50,51 +50,49 @@ def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Listed]]:
     listed: dict[str, Listed] = {}
     for name, kernel in kernels.items():
         called = translation.called[kernel.py_func]
-        seen = signature(kernel)
-        shown.append(_shown(called, seen))
-        listed[name] = (f"{called.name}_", _result(seen), _parameters(called, seen))
+        typed = signature(kernel)
+        shown.append(_shown(called, typed))
+        listed[name] = (f"{called.name}_", _result(typed), _parameters(called, typed))
     return "\n".join([_HEAD, translation.text(), *shown]) + "\n", listed
 
 
-def _result(seen: Kernel) -> str:
-    said = ast.unparse(seen.tree.returns) if seen.tree.returns else ""
-    return "bool" if said == "bool" else seen.result
+def _result(typed: Kernel) -> str:
+    annotation = ast.unparse(typed.tree.returns) if typed.tree.returns else ""
+    return "bool" if annotation == "bool" else typed.result
 
 
 def _parameters(
-    called: Called, seen: Kernel
+    called: Called, typed: Kernel
 ) -> list[tuple[str, str, bool, list[int], dict[str, str]]]:
     found = []
-    for name, kind in seen.kinds.items():
-        fields = fields_of(seen.structures[kind]) if is_structure(kind) else {}
+    for name, kind in typed.kinds.items():
+        fields = fields_of(typed.structures[kind]) if is_structure(kind) else {}
         axes = sorted(called.axes.get(name, ()))
         found.append((name, kind, name in called.written, axes, fields))
     return found
 
 
-def _shown(called: Called, seen: Kernel) -> str:
+def _shown(called: Called, typed: Kernel) -> str:
     """The function that the library exports for a kernel; tuples are passed by address."""
-    taken: list[str] = []
+    declared: list[str] = []
     given: list[str] = []
-    for name, kind in seen.kinds.items():
+    for name, kind in typed.kinds.items():
         space = "" if kind in POINTERS or is_structure(kind) else " "
         if is_tuple(kind):
-            taken.append(f"const {kind} *{name}_")
+            declared.append(f"const {kind} *{name}_")
             given.append(f"*{name}_")
             continue
         const = "const " if is_structure(kind) else ""
-        taken.append(f"{const}{LIBRARY.type_of(kind)}{space}{name}_")
+        declared.append(f"{const}{LIBRARY.type_of(kind)}{space}{name}_")
         given.append(f"{name}_")
         for axis in sorted(called.axes.get(name, ())):
-            taken.append(f"int64_t {name}_n{axis}")
+            declared.append(f"int64_t {name}_n{axis}")
             given.append(f"{name}_n{axis}")
-    call, result = f"{called.name}({', '.join(given)})", LIBRARY.type_of(seen.result)
-    if is_tuple(seen.result):
-        taken.append(f"{seen.result} *out_")
+    call, result = f"{called.name}({', '.join(given)})", LIBRARY.type_of(typed.result)
+    if is_tuple(typed.result):
+        declared.append(f"{typed.result} *out_")
         call, result = f"*out_ = {call}", NOTHING
-    elif seen.result != NOTHING:
+    elif typed.result != NOTHING:
         call = f"return {call}"
-    return (
-        f"FJ_SHARED {result} {called.name}_({', '.join(taken) or NOTHING});\n"
-        f"FJ_SHARED {result} {called.name}_({', '.join(taken) or NOTHING})\n{{\n    {call};\n}}\n"
-    )
+    head = f"FJ_SHARED {result} {called.name}_({', '.join(declared) or NOTHING})"
+    return f"{head};\n{head}\n{{\n    {call};\n}}\n"
