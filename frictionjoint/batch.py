@@ -142,7 +142,10 @@ class FrictionBatch:
                 raise ParameterError(
                     f"{name} is not on the CPU: make FrictionBatch(..., device='cuda:0')"
                 )
-            x = np.from_dlpack(x)
+            try:
+                x = np.from_dlpack(x)
+            except (BufferError, RuntimeError) as error:
+                raise ParameterError(f"{name} cannot be read through DLPack: {error}") from None
         if x.shape != self.shape or x.dtype not in (np.float32, np.float64):
             raise ParameterError(
                 f"{name} is of shape {x.shape} and {x.dtype}: give {self.shape}, single or double "

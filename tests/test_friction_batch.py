@@ -134,11 +134,30 @@ def test_arrays_of_other_libraries_are_read_without_a_copy():
         batch.step(Tensor(q, 2), v, 1e-3)
 
 
-def test_torch_tensors_come_back_as_tensors():
+def test_torch_tensors_are_read_in_place_and_come_back_as_tensors():
     torch = pytest.importorskip("torch", reason="PyTorch is not installed")
-    batch = fj.FrictionBatch(LAW, (2, 2))
-    found = batch.step(torch.zeros(2, 2), torch.ones(2, 2), 1e-3)
-    assert all(isinstance(x, torch.Tensor) and x.shape == (2, 2) for x in found)
+    batch, own = fj.FrictionBatch(LAW, (2, 2)), fj.FrictionBatch(LAW, (2, 2))
+    for kind in (torch.float64, torch.float32):
+        q, v = torch.full((2, 2), 1e-3, dtype=kind), torch.ones(2, 2, dtype=kind)
+        assert np.shares_memory(batch._array("q", q), q.numpy())
+        found, wanted = batch.step(q, v, 1e-3), own.step(q.numpy(), v.numpy(), 1e-3)
+        for x, y in zip(found, wanted, strict=True):
+            assert isinstance(x, torch.Tensor)
+            assert x.dtype == kind
+            np.testing.assert_array_equal(x.numpy(), y)
+    with pytest.raises(FrictionJointError, match=r"q cannot be read .*tensor.detach"):
+        batch.step(torch.zeros(2, 2, requires_grad=True), v, 1e-3)
+
+
+def test_what_dlpack_refuses_is_one_line():
+    """As torch refuses a tensor that requires a gradient."""
+
+    class Refused(Tensor):
+        def __dlpack__(self, **kwargs):
+            raise BufferError("use tensor.detach()")
+
+    with pytest.raises(FrictionJointError, match=r"v cannot be read .*: use tensor.detach"):
+        fj.FrictionBatch(LAW, 3).step(np.zeros(3), Refused(np.zeros(3)), 1e-3)
 
 
 @pytest.mark.parametrize("kind", [np.float64, np.float32])
