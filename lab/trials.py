@@ -61,12 +61,10 @@ def searched(folder: Path, linear: bool = False) -> dict[str, Any]:
     begin, cpu = time.perf_counter(), time.process_time()
     logs = [read_log(path, joint) for path in sorted(folder.glob("fit*.csv"))]
     fitted_on = prepare(logs, body)
-    if linear:
-        found = traced(fitted_on)
-    else:
-        found = trace(
-            fitted_on, replayed=lambda prepared, fitted: replayed_whole(prepared, body, fitted)
-        )
+    search = traced if linear else trace
+    found = search(
+        fitted_on, replayed=lambda prepared, fitted: replayed_whole(prepared, body, fitted)
+    )
     seconds, cpu = time.perf_counter() - begin, time.process_time() - cpu
     kept = prepare([read_log(folder / "held.csv", joint)], body, fitted_on.band)
     held = held_out_error(kept, found.prepared, found.final)

@@ -1,28 +1,28 @@
-"""The parametric law, fitted last: started from the law's columns, with the named effects.
+"""The parametric law with the named effects, fitted last, as `identify` fits it.
 
-The levels of the elements at rest are the knots of the transition curve (Masing 1926), their falls
-with speed are the Stribeck curve.
+The law is fitted from all its starts together with the effects, under the weights of the search,
+which favour no explanation; then the weights follow from the fit.
 """
-
-from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
+from frictionjoint.diagnose.nearest import Replayed, nearer
+from frictionjoint.identify.base_fit import best_form, with_assumed_stiffness
+from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.search import CLOSE, ROUGH, Search, refit, timed
+from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.last_freedoms import with_last_freedoms
+from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.search import nearer as nearer_law
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.shape import IntegratedShape, Shape
-from frictionjoint.identify.starts import fit
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.start import settled
+from frictionjoint.identify.terms import Term, all_but
+from frictionjoint.identify.weights import reweighed
+from linear_search.decisions import CLEAR_TORQUE, DETERMINED, LEAST_TORQUE, NEEDED_PART
 from linear_search.experiment import Experiment
 
-# torque of the knots over the curve's reach, see `shape`
-_TORQUES = (0.5, 0.8, 0.98)
-# steps of a start, and of the best
-_STEPS, _LAST_STEPS = 8, 20
-# starts of the linear fit that are followed
-_FOLLOWED = 2
+# weights and fits in turn, at most
+_WEIGHINGS = 4
 
 
 def weighed(own: Experiment) -> Prepared:
@@ -34,25 +34,28 @@ def weighed(own: Experiment) -> Prepared:
     return own.prepared.weighed(weights)
 
 
-def parametric(
-    prepared: Prepared, own: Experiment, terms: tuple[Term, ...], forms: Sequence[Shape]
-) -> Fit:
-    """A law with effects, from the linear fit and from a coarse look everywhere.
+def together(own: Experiment, law: str, terms: tuple[Term, ...], base: Fit) -> tuple[Prepared, Fit]:
+    """The law with effects, from all its starts and from the law alone, with weights of its own."""
+    prepared, fitted = best_form(weighed(own), law, terms)
+    prepared, fitted = _with_its_weights(prepared, fitted)
+    other = refit(prepared, fitted.effects, base.shape, ROUGH)
+    if other.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms:
+        return _with_its_weights(prepared, other)
+    return prepared, fitted
 
-    Args:
-        prepared: the logs, weighted. forms: of the law.
+
+def _with_its_weights(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    """Weights and a fit that follow from each other.
+
+    The first weights are those of the law's columns, whose stiffness is coarse: some samples count
+    too much or too little, which hides contact damping.
     """
-    known = (form for form in forms if isinstance(form, IntegratedShape))
-    starts = list(dict.fromkeys(started(own, form) for form in known))
-    searches = [Search(prepared, timed(prepared, terms, shape), shape) for shape in starts]
-    left = [search.squares(search.start) for search in searches]
-    nearest = np.argsort(left, kind="stable")[:_FOLLOWED]
-    fits = [refit(prepared, terms, starts[k], ROUGH, _STEPS) for k in nearest]
-    everywhere = fit(prepared, terms, forms)
-    best = min([everywhere, *fits], key=squares_of)
-    if best is everywhere:
-        return best
-    return refit(prepared, best.effects, best.shape, CLOSE, _LAST_STEPS)
+    for _ in range(_WEIGHINGS):
+        before = fitted.drive_rms
+        prepared, fitted = reweighed(*settled(prepared, fitted))
+        if abs(fitted.drive_rms - before) < CLEARLY * before:
+            break
+    return prepared, fitted
 
 
 def squares_of(fitted: Fit) -> float:
@@ -60,35 +63,76 @@ def squares_of(fitted: Fit) -> float:
     return len(fitted.residual) * fitted.drive_rms**2
 
 
-def started(own: Experiment, form: IntegratedShape) -> IntegratedShape:
-    """The integrated law as the linear fit has it."""
-    top, span = own.prepared.top_speed, own.prepared.span
-    reaches = own.basis.reaches
-    rest = np.maximum(own.basis.at_rest(own.coefficients), 0.0)
-    Fs = max(float(rest.sum()), 1e-12)
-    # of a reversal from sliding all displacements are twice those from rest
-    z = np.geomspace(0.1 * reaches[0], 2.0 * reaches[-1], 2000)
-    curve = np.minimum(z[:, None] / reaches, 2.0) @ rest / (2.0 * Fs)
-    knots = [float(np.interp(x, curve, z)) for x in _TORQUES]
-    steps = np.diff([0.0, *_TORQUES]) / np.maximum(np.diff([0.0, *knots]), 1e-12)
-    bends = np.clip(steps[1:] / steps[:-1], 0.03, 0.98)
+def without(prepared: Prepared, fitted: Fit, term: Term, base: Fit) -> Fit:
+    """The fit without an effect, at equal weights, from the nearer of the law's two places."""
+    rest = all_but(fitted.effects, term)
+    law = nearer_law(prepared, rest, (fitted.shape, base.shape))
+    return refit(prepared, rest, law, ROUGH)
 
-    v = np.geomspace(1e-4, 1.0, 400) * top
-    S = own.basis.level_at(own.coefficients, v)
-    Fc = float(np.clip(np.interp(0.4 * top, v, S), 0.2 * Fs, 0.98 * Fs))
-    fall = np.clip((S - Fc) / max(float(S[0]) - Fc, 1e-12), 1e-3, 1.0)
 
-    def falls_to(level: float) -> float:
-        below = np.flatnonzero(fall < level)
-        return float(v[below[0]] if below.size else v[-1])
+def eliminated(prepared: Prepared, final: Fit, base: Fit) -> tuple[Prepared, Fit]:
+    """The fit without effects that the parametric law makes up for, or that are not determined."""
+    friction = float(np.sum((final.friction * final.weight) ** 2)) / final.error_unit**2
+    while final.effects:
+        rows = []
+        for k, term in enumerate(final.effects):
+            fewer = without(prepared, final, term, base)
+            less = squares_of(fewer) - squares_of(final)
+            part = less / max(squares_of(fewer), 1e-300)
+            torque = float(np.sqrt(max(less, 0.0) / max(friction, 1e-300)))
+            needed = (part > NEEDED_PART and torque > LEAST_TORQUE) or torque > 2.0 * CLEAR_TORQUE
+            rows.append((needed, part, k, fewer))
+        idle = [r for r in rows if not r[0]]
+        if not idle:
+            over = over_errors(prepared, final)
+            idle = [r for r in rows if over[r[2]] < DETERMINED]
+        if not idle:
+            break
+        prepared, final = reweighed(prepared, min(idle, key=lambda r: r[1])[3])
+    return prepared, final
 
-    half = max(float(np.log(falls_to(0.2) / falls_to(0.7))), 1e-3)
-    delta = float(np.log(np.log(5.0) / np.log(1.0 / 0.7))) / half
-    return replace(
-        form,
-        excess=float(np.clip(Fs / Fc - 1.0, 0.02, 2.0)),
-        Vs=float(np.clip(falls_to(float(np.exp(-1.0))), 2e-3 * top, 0.29 * top)),
-        delta=float(np.clip(delta, 0.5, 2.5)),
-        length=float(np.clip(knots[0], 2e-6 * span, 0.09 * span)),
-        bend=(float(bends[0]), float(bends[1])),
-    )
+
+def moving(prepared: Prepared, final: Fit, base: Fit, replayed: Replayed) -> tuple[Prepared, Fit]:
+    """The fit without effects that worsen the simulated motion by more than they explain torque."""
+    while final.effects:
+        now = replayed(prepared, final)
+        if now is None:
+            break
+        least, best = now.sum() * final.drive_rms**2, None
+        for term in final.effects:
+            other = without(prepared, final, term, base)
+            errors = replayed(prepared, other)
+            if errors is None or not nearer(errors, now) or np.median(now - errors) <= 0.0:
+                continue
+            product = errors.sum() * other.drive_rms**2
+            if product < least:
+                least, best = product, other
+        if best is None:
+            break
+        prepared, final = reweighed(prepared, best)
+    return prepared, final
+
+
+def freed(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    """With contact damping and one curve per direction decided, and the weights of that."""
+    found = with_last_freedoms(prepared, fitted)
+    return (prepared, fitted) if found is fitted else _with_its_weights(prepared, found)
+
+
+def finished(prepared: Prepared, fitted: Fit) -> Fit:
+    """With an assumed stiffness where the logs determine none."""
+    return with_assumed_stiffness(prepared, fitted, stated_covariance)
+
+
+def over_errors(prepared: Prepared, fitted: Fit) -> list[float]:
+    """Of each effect the largest of its coefficients, or of its times, over its standard error."""
+    cov = stated_covariance(prepared, fitted)
+    found = []
+    for k, term in enumerate(fitted.effects):
+        places = fitted.layout.coefficients(k)
+        values = fitted.beta[places]
+        if not term.coefficients:  # a delay
+            places, values = fitted.layout.numbers(k), np.array(term.free_shape)
+        errors = np.sqrt(np.maximum(np.diag(cov)[places], 1e-300))
+        found.append(float(np.max(np.abs(values) / errors)))
+    return found

@@ -221,18 +221,20 @@ class Sets:
         if len(rough[0]) == 1:
             near += [m for m in rough[_REFINED:] if m[0].name in names]
             near += [m for m in rough[:_REFINED] if m not in near and m[0].name in names]
-        best: dict[tuple[str, ...], Set] = {}
+        best: dict[tuple[tuple[str, str], ...], Set] = {}
         for models in near:
             one = self.best(models)
-            names = tuple(sorted(c.name for c in one.models))
-            best[names] = min(one, best.get(names, one), key=lambda s: s.total)
+            forms = tuple(sorted(map(kind, one.models)))
+            best[forms] = min(one, best.get(forms, one), key=lambda s: s.total)
         top = sorted(best.values(), key=lambda s: s.total)
         found += [
             s
             for s in top
             if (len(s.models) == 1 or s.total < _FOUND * top[0].total) and self.holds(s)
         ]
-        return [s for s in top[:_BEAM] if len(causes(s.models)) < self.most]
+        beam = {tuple(sorted(c.name for c in s.models)): s for s in reversed(top)}
+        leading = sorted(beam.values(), key=lambda s: s.total)[:_BEAM]
+        return [s for s in leading if len(causes(s.models)) < self.most]
 
     def _rough(self, models: Models) -> float:
         return float(self.score.held_out(models).sum())

@@ -38,7 +38,7 @@ def smallest_of_each(sets: Sets, chosen: Set) -> dict[str, float]:
 
 
 def seen(sets: Sets, chosen: Set, prepared: Prepared, final: Fit, last: Look) -> Sight:
-    """Torque above which every effect would have been named, of those that the logs show at all."""
+    """Torque above which half of the effects would have been named, of those that the logs show."""
     found = sight(prepared, final, last)
-    each = smallest_of_each(sets, chosen).values()
-    return replace(found, torque=max([found.torque, *(x / final.gain for x in each)]))
+    each = [x / final.gain for x in smallest_of_each(sets, chosen).values()]
+    return replace(found, torque=max(found.torque, float(np.median(each)) if each else 0.0))
