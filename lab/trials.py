@@ -28,7 +28,6 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 from judging import read_answer, tables, told
-from linear_search.traced import traced
 
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.verdict import noise_floor
@@ -44,25 +43,24 @@ from frictionjoint.replay.free_runs import replayed_whole
 from frictionjoint.threads import allow
 
 
-def one_plant(folder: Path, linear: bool = False) -> dict[str, Any]:
+def one_plant(folder: Path) -> dict[str, Any]:
     """A row of the file: what the search said of a test joint, and how well that predicts."""
     warnings.simplefilter("ignore")
     row: dict[str, Any] = {"plant": str(folder)}
     try:
-        return row | searched(folder, linear)
+        return row | searched(folder)
     except Exception as error:  # a bug must not end hundreds of trials: it is counted and shown
         return row | {"error": f"{type(error).__name__}: {error}"}
 
 
-def searched(folder: Path, linear: bool = False) -> dict[str, Any]:
-    """What the search finds in the logs of a test joint; `linear`: that of `linear_search`."""
+def searched(folder: Path) -> dict[str, Any]:
+    """What the search finds in the logs of a test joint."""
     joint = joint_of(folder / "model.xml")
     body = RigidBody(folder / "model.xml", joint)
     begin, cpu = time.perf_counter(), time.process_time()
     logs = [read_log(path, joint) for path in sorted(folder.glob("fit*.csv"))]
     fitted_on = prepare(logs, body)
-    search = traced if linear else trace
-    found = search(
+    found = trace(
         fitted_on, replayed=lambda prepared, fitted: replayed_whole(prepared, body, fitted)
     )
     seconds, cpu = time.perf_counter() - begin, time.process_time() - cpu
@@ -124,14 +122,13 @@ def main() -> None:
     parser.add_argument("folders", type=Path, nargs="*", metavar="FOLDER")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--out", type=Path, required=True, help="file of rows, added to")
-    parser.add_argument("--linear", action="store_true", help="run `linear_search` instead")
     asked = parser.parse_args()
     text = asked.out.read_text() if asked.out.exists() else ""
     rows = {row["plant"]: row for row in map(json.loads, text.splitlines())}
     plants = list(plants_in(asked.folders)) or [Path(plant) for plant in rows]
     with ProcessPoolExecutor(asked.jobs, initializer=on_one_thread) as pool:
         new = [plant for plant in plants if str(plant) not in rows]
-        todo = [pool.submit(one_plant, plant, asked.linear) for plant in new]
+        todo = [pool.submit(one_plant, plant) for plant in new]
         for done in as_completed(todo):
             row = done.result()
             rows[row["plant"]] = row

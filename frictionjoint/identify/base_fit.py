@@ -14,8 +14,8 @@ from frictionjoint.identify.rounding import in_order
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
-from frictionjoint.identify.starts import fit, law_alone, ripened
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.starts import law_alone, ripened
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.rivals import StaticParameters
 from frictionjoint.threads import one_thread
@@ -41,21 +41,6 @@ def base_fit(
         return prepared, found
     place = ripened(prepared, (), CONSTRAINT)[0]
     other = refit(prepared, (), place.search.split(place.x)[0], ROUGH)
-    return better_form(prepared, found, [other])
-
-
-def best_form(prepared: Prepared, law: str, terms: tuple[Term, ...]) -> tuple[Prepared, Fit]:
-    """A law together with effects, in the best of all its forms.
-
-    Raises:
-        ParameterError: no law has this name.
-    """
-    forms = forms_of(law)
-    found = fit(prepared, terms, forms)
-    if forms is not INTEGRATED:
-        return prepared, found
-    place = ripened(prepared, found.effects, CONSTRAINT)[0]
-    other = refit(prepared, found.effects, place.search.split(place.x)[0], ROUGH)
     return better_form(prepared, found, [other])
 
 
