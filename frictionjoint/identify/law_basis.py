@@ -68,8 +68,14 @@ class LawBasis:
 
     @cached_property
     def reaches(self) -> Array:
-        """Displacements from rest to slipping of the elements, rad (m), shape (k,)."""
-        return element_reaches(self.prepared, _ELEMENTS, _LONGEST)
+        """Displacements from rest to slipping of the elements, rad (m), shape (k,).
+
+        The least one is what the position resolves.
+        """
+        span = self.prepared.span
+        resolved = max(s.noise.resolution for s in self.prepared.segments)
+        least = min(max(_SHORTEST * span, resolved), 0.1 * _LONGEST * span)
+        return np.geomspace(least, _LONGEST * span, _ELEMENTS)
 
     @cached_property
     def columns(self) -> Array:
@@ -112,19 +118,6 @@ class LawBasis:
         of_law = beta[: own.shape[1]].reshape(-1, len(self.reaches))
         rms = root_mean_square(residual * weight)
         return LinearLaw(self.reaches, of_law[:-1] if damped else of_law, rms, residual)
-
-
-def element_reaches(prepared: Prepared, count: int, longest: float) -> Array:
-    """Displacements from rest to slipping of elements, rad (m), shape (count,).
-
-    Args:
-        longest: the largest one, as a fraction of the travel. The least one is what the position
-            resolves.
-    """
-    span = prepared.span
-    resolved = max(s.noise.resolution for s in prepared.segments)
-    least = min(max(_SHORTEST * span, resolved), 0.1 * longest * span)
-    return np.geomspace(least, longest * span, count)
 
 
 def _elements(s: Segment, reaches: Array) -> Array:
