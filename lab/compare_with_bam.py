@@ -128,7 +128,10 @@ class Bam:
 
     def row(self, gain: int, model: str, trials: int) -> Row:
         """Fit one of its models on the other gains, replay this one."""
-        parameters, table = self.folder / f"{model}_{gain}.json", self.folder / "mae.json"
+        # its judge takes a folder of parameters since BAM 1.0
+        fits, table = self.folder / f"{model}_{gain}", self.folder / "mae.json"
+        fits.mkdir()
+        parameters = fits / f"{model}.json"
         begin = time.perf_counter()
         self._run("bam.fit", "--actuator", self.actuator, "--model", model,
                   "--logdir", self.processed, "--validation_kp", gain, "--trials", trials,
@@ -139,7 +142,7 @@ class Bam:
         for path in self.processed.glob("*.json"):
             if json.loads(path.read_text())["kp"] == gain and not (held / path.name).exists():
                 (held / path.name).symlink_to(path)
-        self._run("bam.mae", "--params", parameters, "--logdir", held, "--json", table)
+        self._run("bam.mae", "--params", fits, "--logdir", held, "--json", table)
         per_log = json.loads(table.read_text())[parameters.stem]["per_log"]
         # in the order in which `bam.logs` lists the folder
         errors: dict[str, list[float]] = {}

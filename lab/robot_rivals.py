@@ -1,15 +1,18 @@
-"""Measured robots next to mujoco.sysid and figaroh: the same logs, the same samples.
+"""Measured robots next to mujoco.sysid, figaroh and trainnr: the same logs, the same samples.
 
-    python lab/robot_rivals.py --data DIR --reports DIR [--figaroh PYTHON] [--write]
+    python lab/robot_rivals.py --data DIR --reports DIR [--figaroh PYTHON] [--trainnr PYTHON]
+        [--write]
     python lab/robot_rivals.py --data DIR --only mujoco.sysid --limit 400
 
 Fitted to the first 70% of the log, tested on the rest. `--reports` is the folder that
 `real_robots.py` wrote. `mujoco.sysid` fits the pseudo-inertia of the last three links, and the
 armature, damping and frictionloss of every joint, to positions of free runs of 0.5 s, from one
-start; after `--limit` seconds of processor time the best numbers so far are taken. figaroh needs an
-environment of its own, whose Python `--figaroh` names; see `figaroh_robot.py`. Torque: rms error in
-motion, in per cent of the joint's, averaged over joints. Replay: rms position error of free runs of
-2 s from measured states. With `--write` the table goes to the end of lab/notes/robots.md.
+start; after `--limit` seconds of processor time the best numbers so far are taken. figaroh and
+trainnr need environments of their own, whose Python `--figaroh` and `--trainnr` name; see
+`figaroh_robot.py` and `trainnr_robot.py`. trainnr fits armature, damping and frictionloss to
+torques below 10 Hz. Torque: rms error in motion, in per cent of the joint's, averaged over joints.
+Replay: rms position error of free runs of 2 s from measured states. With `--write` the table goes
+to the end of lab/notes/robots.md.
 """
 
 import argparse
@@ -38,7 +41,7 @@ COMPARED = ("ur10", "tx40")
 # s: free runs that sysid fits, and those of the table
 FITTED_RUN, RUN = 0.5, 2.0
 STEP = 1e-3
-PROGRAMS = ("frictionjoint", "mujoco.sysid", "figaroh 1.0.2")
+PROGRAMS = ("frictionjoint", "mujoco.sysid", "figaroh 1.0.2", "trainnr 0.1")
 TITLE = "## Beside mujoco.sysid and figaroh"
 
 
@@ -115,12 +118,15 @@ def windows(track, length):
 
 
 def torque_percent(case, predicted):
-    """Averaged over joints."""
-    found = []
-    for j, p in enumerate(predicted):
-        e = (case.measured[j] - p)[case.moving[j]]
-        found.append(100.0 * np.sqrt(np.mean(e**2)) / case.size[j])
-    return float(np.mean(found))
+    """Averaged over the joints that move in the part held out."""
+    errors = [np.sqrt(np.mean((case.measured[j] - predicted[j])[case.moving[j]] ** 2))
+              for j in moved(case)]  # fmt: skip
+    return float(np.mean(100.0 * np.array(errors) / np.array(case.size)[moved(case)]))
+
+
+def moved(case):
+    """Joints that move in the part held out."""
+    return [j for j, moving in enumerate(case.moving) if moving.any()]
 
 
 def replayed(model, case):
@@ -182,16 +188,40 @@ def by_figaroh(robot, case, python):
     given |= {"windows": len(pieces), "dt": t[1] - t[0]}
     for w, piece in enumerate(pieces):
         given |= {f"{key}{w}": x for key, x in zip(("q", "v", "drive"), piece, strict=True)}
-    with tempfile.TemporaryDirectory() as folder:
-        one, other = Path(folder) / "in.npz", Path(folder) / "out.npz"
-        np.savez(one, **given)
-        script = Path(__file__).with_name("figaroh_robot.py")
-        subprocess.run([python, str(script), str(one), str(other)], check=True)
-        found = dict(np.load(other))
+    found = elsewhere("figaroh_robot.py", python, given)
     predicted = [found[f"predicted{j}"] for j in range(len(case.names))]
     errors = [found[f"run{w}"][1:] - piece[0][1:] for w, piece in enumerate(pieces)]
     replay = float(np.sqrt(np.mean(np.square(np.concatenate(errors)))))
     return torque_percent(case, predicted), replay, float(found["seconds"])
+
+
+def by_trainnr(robot, case, python):
+    """In its own environment; its terms run in MuJoCo here."""
+    file = ROOT / "models" / robot.model
+    t, q, v, drive = case.tracks[0]
+    given = {"model": str(file), "names": case.names, "time": t, "position": q, "velocity": v}
+    given |= {"acceleration": np.gradient(v, t, axis=0), "torque": drive}
+    found = elsewhere(
+        "trainnr_robot.py", python, given | {f"held{j}": x for j, x in enumerate(case.held)}
+    )
+    model = mujoco.MjModel.from_xml_path(str(file))
+    for name, terms in zip(case.names, found["terms"], strict=True):
+        dof = int(model.joint(name).dofadr[0])
+        model.dof_armature[dof], model.dof_frictionloss[dof] = terms[0], terms[2]
+        damping = np.zeros_like(model.dof_damping[dof])  # a polynomial in newer versions
+        damping.flat[0] = terms[1]
+        model.dof_damping[dof] = damping
+    predicted = [found[f"predicted{j}"] for j in range(len(case.names))]
+    return torque_percent(case, predicted), replayed(model, case), float(found["seconds"])
+
+
+def elsewhere(script, python, given):
+    """What a script next to this one computes with another Python: arrays in, arrays out."""
+    with tempfile.TemporaryDirectory() as folder:
+        one, other = Path(folder) / "in.npz", Path(folder) / "out.npz"
+        np.savez(one, **given)
+        subprocess.run([python, str(Path(__file__).with_name(script)), one, other], check=True)
+        return dict(np.load(other))
 
 
 def by_frictionjoint(case, folder):
@@ -200,8 +230,11 @@ def by_frictionjoint(case, folder):
     model = fj.load_model(folder / "model.xml")
     with fj.attach(model):
         replay = replayed(model, case)
-    seconds = json.loads((folder / "spent.json").read_text())["seconds"]
-    return report["after"]["torque_percent"]["held_out"], replay, seconds
+    seconds = json.loads((folder / "spent.json").read_text())["cpu_s"]
+    # over the rms of the part fitted, as of the other programs
+    left = [report["joints"][case.names[j]]["after"]["torque_rms"]["held_out"] for j in moved(case)]
+    percent = float(np.mean(100.0 * np.array(left) / np.array(case.size)[moved(case)]))
+    return percent, replay, seconds
 
 
 def by_program(program, name, case, asked):
@@ -210,7 +243,15 @@ def by_program(program, name, case, asked):
         return by_frictionjoint(case, asked.reports / name)
     if program == "mujoco.sysid":
         return by_sysid(ROBOTS[name], case, asked.limit)
+    if program == "trainnr 0.1":
+        return by_trainnr(ROBOTS[name], case, asked.trainnr)
     return by_figaroh(ROBOTS[name], case, asked.figaroh)
+
+
+def installed(asked):
+    """Programs whose environment is named, and those of this one."""
+    absent = {PROGRAMS[2]: not asked.figaroh, PROGRAMS[3]: not asked.trainnr}
+    return [p for p in PROGRAMS if not absent.get(p)]
 
 
 def table(asked) -> str:
@@ -219,9 +260,7 @@ def table(asked) -> str:
     lines.append("|---|---|---|---|---|")
     for name in asked.robot or COMPARED:
         case = case_of(ROBOTS[name], asked.data)
-        for program in asked.only or PROGRAMS:
-            if program == PROGRAMS[2] and not asked.figaroh:
-                continue
+        for program in asked.only or installed(asked):
             torque, replay, seconds = by_program(program, name, case, asked)
             error = "leaves" if not replay < 10.0 else f"{replay:.2g}"
             lines.append(f"| {name} | {program} | {torque:.1f}% | {error} | {seconds:.0f} |")
@@ -238,6 +277,7 @@ def main() -> None:
     parser.add_argument("--only", action="append", choices=PROGRAMS)
     parser.add_argument("--limit", type=float, default=400.0, help="s of sysid's, of one processor")
     parser.add_argument("--figaroh", help="Python of an environment that has figaroh")
+    parser.add_argument("--trainnr", help="Python of an environment that has trainnr")
     parser.add_argument("--write", action="store_true", help=f"write to {PAGE}")
     asked = parser.parse_args()
     text = table(asked)
