@@ -24,6 +24,7 @@ from frictionjoint.recordings.estimate import Known, estimate
 from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.refine.posterior import Posterior, numbers_in
 from frictionjoint.rivals import LuGreParameters
+from frictionjoint.robot.explain import Explained, State, Task, explain_joint
 from frictionjoint.simulate.carrier import install
 
 STEP, EVERY, SECONDS = 5e-4, 8, 12.0
@@ -260,3 +261,18 @@ def test_a_recording_states_its_speed_and_direction() -> None:
         found.append(estimate(k, log))
     assert [round(x.direction) for x in found] == [1, 1, 1, 1, 1, -1, -1, -1, -1]
     np.testing.assert_allclose([x.speed for x in found[:5]], (0.2, 0.5, 1.0, 1.5, 2.0), rtol=0.05)
+
+
+def test_each_joint_of_a_robot_states_how_it_differs() -> None:
+    """As the joint alone does: a joint of a robot is compared in the model of the whole robot."""
+    bare = State(ARM.format(joint="", end=""))
+    levels = (0.24, 0.36, 0.30)
+    logs = [recording(40 + i, Fc=Fc).part(slice(0, 1500), "") for i, Fc in enumerate(levels)]
+    found = explain_joint(Task("elbow", logs, [], bare, None, 0, "lugre", corrected=bare))
+    assert isinstance(found, Explained)
+    rows = {row["number"]: row for row in found.result.report.recordings}
+    values = [x["value"] for x in rows["Fc"]["recordings"]]
+    np.testing.assert_allclose(values, levels, rtol=0.03)
+    assert rows["sigma2"]["deviation"] < 0.1 * SIGMA2
+    drawn = [x.parameters.Fc_pos for x in found.result.report.posterior.sample(300)]
+    assert np.std(drawn) > 0.03

@@ -8,6 +8,7 @@ import numpy as np
 
 from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
+from frictionjoint.control.reconstruct import with_known_drive
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.kept_back import prepare_kept_back
@@ -27,6 +28,7 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.identify.weights import Errors, errors_elsewhere, errors_of, weighted
 from frictionjoint.measured.log import JointLog
+from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.replay.free_runs import Replay, replay, replay_rms
 from frictionjoint.replay.loops import Loops
 from frictionjoint.report.robot_report import Interval, JointResult
@@ -126,6 +128,9 @@ def _explained(task: Task) -> Explained:
         law=task.law,
         controller=task.controller,
         refine=task.refine,
+    )
+    report = with_recordings(
+        report, [with_known_drive(log, task.controller) for log in task.logs], task.fixed
     )
     final = stated_covariance(trace.prepared, trace.final)
     left = errors_elsewhere(trace.prepared, trace.final, final)
