@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +31,10 @@ ROOT = Path(__file__).resolve().parents[1]
 NOTES = ROOT / "lab/notes/published_claims.md"
 HEAD = """# Published claims, reproduced
 
-Written by `python lab/published_claims.py --data DIR --out DIR --write`. Each claim is fitted and
-judged as its authors did. Published: figures in the source; here: run for this table. Seconds of
-one processor from logs to model; BAM searches as long as ours took. Lines: what a user writes; a
-command is one, for a program without a command the script in lab/ that calls it.
+Written on {day} by `python lab/published_claims.py --data DIR --out DIR --write`. Each claim
+is fitted and judged as its authors did. Published: figures in the source; here: run for this table.
+Seconds of one processor from logs to model; BAM searches as long as ours took. Lines: what a user
+writes; a command is one, for a program without a command the script in lab/ that calls it.
 
 | Logs | Figure | Program | Published | Here | s | Lines |
 |---|---|---|---|---|---|---|
@@ -276,7 +277,7 @@ def main():
             os.replace(part, kept)
         if kept.exists():
             rows += json.loads(kept.read_text())
-    text = HEAD + "".join(f"| {' | '.join(cells)} |\n" for cells in rows)
+    text = HEAD.format(day=date.today()) + "".join(f"| {' | '.join(cells)} |\n" for cells in rows)
     print(text)
     if asked.write:
         below = NOTES.read_text().partition("\n\n## ")[1:] if NOTES.exists() else ()
