@@ -46,6 +46,9 @@ def test_a_law_starts_as_no_effect_had_bent_it_too(prepared):
     bent = base.shape.moved(base.shape.vector() + 0.1)
     laws.follow(prepared, replace(base, shape=bent))
     assert laws.starts(bent) == (bent, base.shape)
+    # a curve per direction comes last: no law was fitted with one from the start
+    by_direction = base.shape.by_direction()
+    assert laws.starts(by_direction) == (by_direction,)
 
 
 @pytest.mark.parametrize("law", [INTEGRATED_LAW, "static"])
