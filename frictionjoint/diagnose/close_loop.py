@@ -57,6 +57,7 @@ from frictionjoint.measured.long_logs import bounded
 from frictionjoint.measured.readers import read_log, require_logs
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_text import model_text
+from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.refine.motion import window_squares
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refine import Refined
@@ -132,7 +133,6 @@ def close_loop(
     report = explain(logs, held_out, bodies, seed, progress, law, known, refine)[0]
     if isinstance(model, Mapping):  # of different loads
         return report
-    from frictionjoint.recordings.in_report import with_recordings  # it compares whole models
 
     progress("comparing the recordings")
     recordings = [*logs, *([] if split else held_out)]

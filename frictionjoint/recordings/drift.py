@@ -5,7 +5,6 @@ and with the usual difference between recordings. The parameter is *confirmed*, 
 resolvable*: the new logs could not detect a change by half of its value.
 """
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ import numpy as np
 from scipy.stats import norm
 
 from frictionjoint.errors import ParameterError
+from frictionjoint.files import read_report
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import between
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
@@ -58,14 +58,8 @@ def known_of(report: Path, joint: str | None = None) -> Known:
     Raises:
         ParameterError: the path is not a report, or the report gives no friction in N m.
     """
-    file = report / "report.json" if report.is_dir() else report
+    file, content = read_report(report)
     model = file.with_name("model.xml")
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterError(f"{file}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise ParameterError(f"{file}: not JSON: give report.json of close-loop") from None
     joints = content.get("joints") or {content.get("joint"): content}
     if joint is None and len(joints) > 1:
         raise ParameterError(f"{file}: say which joint with --joint, of {', '.join(joints)}")
