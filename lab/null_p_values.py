@@ -7,8 +7,11 @@ of the last look, over the whole family of candidates, should be uniform. Prints
 test of Kolmogorov and Smirnov against uniformity, and how often anything was added.
 """
 
+import argparse
+import json
 import sys
 import warnings
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -17,7 +20,6 @@ import numpy as np
 from scipy.stats import kstest
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
-from searches import options, search_all
 
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.prepare import prepare
@@ -79,9 +81,18 @@ def told(rows: list[dict[str, Any]]) -> str:
 
 def main() -> None:
     """Run the searches, print the histogram."""
-    asked = options(__doc__, "n", 500)
-    work = ((asked.seed, number) for number in range(asked.n))
-    print(told(search_all(one, work, asked.jobs, asked.out)))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--n", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--out", type=Path, required=True, help="file of rows, written anew")
+    asked = parser.parse_args()
+    rows = []
+    with ProcessPoolExecutor(asked.jobs) as pool, asked.out.open("w") as file:
+        for row in pool.map(one, [asked.seed] * asked.n, range(asked.n)):
+            rows.append(row)
+            print(json.dumps(row), file=file, flush=True)
+    print(told(rows))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Ended at any moment, or on a full disk, the loop leaves its output whole or absent."""
 
-import importlib.util
+import json
 import os
 import random
 import signal
@@ -18,23 +18,53 @@ from frictionjoint.files import toml_text
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.write import write_files
 
-_SCRIPT = Path(__file__).parents[1] / "lab" / "kill_loop.py"
-_SPEC = importlib.util.spec_from_file_location("kill_loop", _SCRIPT)
-kill_loop = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(kill_loop)
-
+EXIT = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGKILL: -9}
+REPORT = {"report.json", "report.html", "model.xml"}
 IDENTIFY = ("identify", LOG, "--model", MODEL, "--joint", "joint")
 
 
-@pytest.mark.parametrize("number", kill_loop.SIGNALS, ids=lambda n: n.name)
+def start(folder: Path) -> subprocess.Popen[str]:
+    """The loop on a shipped log, writing into `folder`/out."""
+    arguments = ["close-loop", str(LOG), "--model", str(MODEL)]
+    # a job in the background inherits an ignored SIGINT, which Python and the command then respect
+    program = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from frictionjoint.cli import main; main()"
+    )
+    command = [sys.executable, "-c", program, *arguments]
+    return subprocess.Popen(
+        [*command, "--joint", "joint", "--out", "out"],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.mark.parametrize("number", EXIT, ids=lambda n: n.name)
 def test_loop_killed_at_a_random_moment(number, tmp_path):
-    moment = random.Random(int(number)).uniform(0.5, 5.0)
-    assert kill_loop.kill_once(tmp_path, moment, number) is None
+    process = start(tmp_path)
+    try:
+        process.wait(random.Random(int(number)).uniform(0.5, 5.0))
+    except subprocess.TimeoutExpired:
+        process.send_signal(number)
+    _, err = process.communicate(timeout=20)
+    # before our handlers stand, Python or the system answers the signal
+    assert process.returncode in (0, EXIT[number], -number, 1), err
+    assert process.returncode != EXIT[number] or "Traceback" not in err
+    out = tmp_path / "out"
+    if number != signal.SIGKILL:  # which no program sees coming
+        assert {path.name for path in tmp_path.iterdir()} <= {"out"}
+    if out.exists():
+        assert {path.name for path in out.iterdir()} >= REPORT
+        json.loads((out / "report.json").read_text())
+        assert (out / "report.html").read_text().rstrip().endswith("</html>")
+        assert (out / "model.xml").read_text().rstrip().endswith("</mujoco>")
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [*EXIT.items()][:2])
 def test_exit_code_tells_the_signal(number, code, tmp_path):
-    process = kill_loop.start(tmp_path)
+    process = start(tmp_path)
     until_it_listens(process)
     process.send_signal(number)
     _, err = process.communicate(timeout=90)

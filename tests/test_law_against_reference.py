@@ -1,7 +1,6 @@
 """The kernel against the independent reference and against Jenkins elements."""
 
 import dataclasses
-import os
 from collections import Counter
 
 import numpy as np
@@ -10,13 +9,12 @@ from reference.continuous import continuous_torque
 from reference.integrated_solver import reference_torque
 from reference.jenkins import jenkins_torque
 from reference.motions import random_motion, random_parameters, violent_motion
-from test_reference import KNOTS, masing, nested_path
+from test_reference import KNOTS, masing
 
 from frictionjoint import friction_torque
 from frictionjoint.parameters import FrictionParameters
 
-# the mutation check runs without a compiler and takes fewer
-MOTIONS = int(os.environ.get("FRICTIONJOINT_MOTIONS", "100"))
+MOTIONS = 100
 
 
 def test_random_motions_agree_and_reach_every_mechanism():
@@ -49,10 +47,23 @@ def test_steps_of_fifteen_decades_agree():
     assert min(total["reversal"], total["closing"], total["reset"]) > MOTIONS
 
 
-def test_equals_jenkins_elements():
-    position = nested_path()
-    got = friction_torque(masing(), np.arange(201) * 0.01, position)
-    assert np.abs(got - jenkins_torque(KNOTS, position)).max() <= 1e-6 * 5.0
+def test_nested_loops_equal_jenkins_elements():
+    for seed in range(20):
+        turns = np.append(0.0, np.random.default_rng(seed).uniform(-2.2e-5, 2.2e-5, 60))
+        position = np.interp(np.linspace(0.0, 60.0, 2401), np.arange(61), turns)
+        wanted = jenkins_torque(KNOTS, position)
+        assert 0.5 * 5.0 < np.abs(wanted).max() < 0.9 * 5.0
+        got = friction_torque(masing(), np.arange(2401) * 0.01, position)
+        assert np.abs(got - wanted).max() <= 1e-6 * 5.0
+
+
+def test_torque_far_above_the_level_at_a_large_exponent_relaxes_without_overflow():
+    """Fs / Fc of 333 and n = 730: r**n is beyond the largest double, the answer is not."""
+    p = FrictionParameters.symmetric(
+        Fs=5.0, Fc=0.015, Vs=3e-5, n=730, knots=KNOTS, variant="lampaert2002"
+    )
+    found = friction_torque(p, [0, 100, 100.000001], [0, 5e-5, 5e-5 + 1e-9])
+    assert np.all(np.abs(found) <= 5.0)
 
 
 @pytest.mark.parametrize("variant", ["ganseman1997", "lampaert2002"])

@@ -36,9 +36,10 @@ def logged(
     torque: NDArray[np.float64],
     position: NDArray[np.float64] = Q,
     band: Band | None = None,
+    time: NDArray[np.float64] = T,
 ) -> Prepared:
     """The log of a torque, N m, prepared with the joint's model."""
     file = folder / "j.xml"
     file.write_text(_MODEL)
-    log = JointLog(name="log", joint="j", time=T, position=position, torque=torque)
+    log = JointLog(name="log", joint="j", time=time, position=position, torque=torque)
     return prepare([log], RigidBody(file, "j"), band)

@@ -1,12 +1,11 @@
-"""The generators of trial data themselves: integrator, friction, answers, exact balances."""
+"""The generators of trial data themselves: integrator, friction, answers."""
 
 import json
 
 import mujoco
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
-from scipy.signal import cont2discrete, dlsim
+from scipy.integrate import solve_ivp
 
 from lab.third_hand import control, effect, plant
 from lab.third_hand.draw import draw
@@ -16,9 +15,6 @@ from lab.third_hand.hidden import ALL
 from lab.third_hand.integrate import COLUMNS, simulate
 from lab.third_hand.joint import LAWS, Joint
 from lab.third_hand.schedule import schedule
-from tests.balance_grid import MOTIONS, Friction, Spec, grid, make, specs
-from tests.balance_grid import write as write_case
-from tests.balance_grid.case import CREEP, held, mean_friction
 
 FREE = dict(coulomb=1e-12, breakaway=1e-12, viscous=0.0, stiffness=1e-9, damping=0.0)
 STICKY = dict(coulomb=2.0, breakaway=3.0, viscous=1.5, stiffness=3.0 / 5e-4, damping=30.0)
@@ -170,88 +166,3 @@ def test_schedule_keeps_its_mix_and_its_beginning():
     lengths = [len(p) for p in plans]
     assert (lengths.count(0), lengths.count(2), outside) == (40, 40, 30)
     assert {kind for p in plans for kind in p} == set(ALL)
-
-
-EIGHTH_ORDER = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-
-
-@pytest.mark.parametrize("name", MOTIONS)
-def test_motion_is_its_own_derivative(name):
-    motion = MOTIONS[name](np.random.default_rng(3), 20.0)
-    t, h = np.linspace(0.1, 19.9, 9973), 2e-5
-    around = [motion(t + k * h) for k in range(-4, 5)]
-    _, v, a = motion(t)
-    for derivative, order in ((v, 0), (a, 1)):
-        differences = sum(w * x[order] for w, x in zip(EIGHTH_ORDER, around, strict=True)) / h
-        off = abs(differences - derivative) > 1e-6 * abs(derivative).max()
-        # the acceleration has corners, where differences of any order fail
-        assert off.mean() < 0.02
-
-
-def wants(spec: Spec) -> bool:
-    return spec.rate == 200 and spec.bits == 16 and spec.motion in ("steps", "six-sines")
-
-
-def test_grid_is_the_same_for_a_seed_whatever_is_kept():
-    cases = list(grid(np.random.default_rng(1), keep=wants))
-    assert len(cases) == 8
-    again = next(grid(np.random.default_rng(1), keep=lambda s: s.name == cases[5].name))
-    other = next(grid(np.random.default_rng(2), keep=lambda s: s.name == cases[5].name))
-    np.testing.assert_array_equal(cases[5].logs[0]["torque_nm"], again.logs[0]["torque_nm"])
-    assert other.J != again.J
-
-
-@pytest.mark.parametrize("name", MOTIONS)
-def test_grid_has_finite_logs_at_every_rate(name):
-    for rate, is_held in ((50.0, True), (4000.0, False)):
-        case = make(Spec(name, rate, 12, True, is_held), np.random.default_rng(1))
-        assert len(case.logs) == 3
-        for log in case.logs:
-            assert all(np.isfinite(column).all() for column in log.values())
-            counts = log["position_rad"] * case.counts / (2 * np.pi)
-            np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
-    assert len({spec.name for spec in specs()}) == len(specs())
-
-
-def test_noise_of_a_case_is_as_stated():
-    case = make(Spec("one-speed", 1000.0, 20, False, False), np.random.default_rng(1))
-    for log in case.logs:
-        coasting = abs(log["time_s"] - 10.0) > 1.0
-        assert np.std(log["torque_nm"][coasting]) == pytest.approx(case.noise, rel=0.03)
-
-
-def test_held_torque_moves_the_inertia_as_logged():
-    t = np.arange(2000) / 200.0
-    q, v, _ = MOTIONS["six-sines"](np.random.default_rng(3), 10.0)(t)
-    time, position, torque = held(t, q, v, 0.7, None)
-    # the double integrator between zero-order holds
-    system = cont2discrete(
-        (np.array([[0, 1], [0, 0]]), np.array([[0], [1 / 0.7]]), np.eye(2), np.zeros((2, 1))),
-        1 / 200.0,
-    )  # fmt: skip
-    _, _, states = dlsim(system, torque, x0=[q[0], v[0]])
-    np.testing.assert_allclose(states[: time.size, 0], position, atol=1e-9)
-    assert abs(position - q[:-1]).max() < 5e-3
-
-
-@pytest.mark.parametrize(("v0", "v1"), [(-2e-3, 5e-3), (0.4, 0.5), (1e-3, 1e-3 + 1e-9), (0.0, 0.0)])
-def test_mean_friction_is_the_mean_over_the_tick(v0, v1):
-    friction = Friction(3.0, 0.8)
-    want = quad(
-        lambda s: 3.0 * np.tanh((v0 + s * (v1 - v0)) / CREEP) + 0.8 * (v0 + s * (v1 - v0)), 0, 1
-    )
-    got = mean_friction(friction, np.array([v0]), np.array([v1]))
-    np.testing.assert_allclose(got, want[0], atol=1e-8)
-
-
-def test_case_is_written_with_its_inertia_alone(tmp_path):
-    case = make(Spec("chirp", 100.0, 14, False, False), np.random.default_rng(1))
-    write_case(case, tmp_path)
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
-    data = mujoco.MjData(model)
-    data.qpos[0], data.qacc[0] = 0.3, 2.0
-    mujoco.mj_inverse(model, data)
-    assert data.qfrc_inverse[0] == pytest.approx(2.0 * case.J, rel=1e-9)
-    log = np.genfromtxt(tmp_path / "log2.csv", delimiter=",", names=True)
-    np.testing.assert_allclose(log["position_rad"], case.logs[2]["position_rad"], atol=1e-11)
-    assert json.loads((tmp_path / "case.json").read_text())["noise_rms"] == case.noise
