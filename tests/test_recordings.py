@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 from command_line import run
+from scipy.stats import t
 
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import with_known_drive
@@ -22,6 +23,7 @@ from frictionjoint.recordings.between import between
 from frictionjoint.recordings.drift import drift, known_of
 from frictionjoint.recordings.estimate import Known, estimate
 from frictionjoint.recordings.in_report import with_recordings
+from frictionjoint.recordings.variances import moderated
 from frictionjoint.refine.posterior import Posterior, numbers_in
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.robot.explain import Explained, State, Task, explain_joint
@@ -137,6 +139,18 @@ def test_drift_is_told_from_none_and_from_what_a_log_does_not_show(tmp_path: Pat
     assert {x.state for x in deaf} == {"not resolvable"}
     with pytest.raises(LogError, match="too little motion"):
         drift(known_of(folder), [recording(5).part(slice(0, 60), "")])
+    # a log of target and position is compared by the controller next to the report
+    kp = 40.0
+    log = recording(4, Fc=0.38)
+    rows = np.column_stack([log.time, log.position, log.position + log.torque / kp])
+    header = "time_s,position_rad,target_rad"
+    np.savetxt(tmp_path / "servo.csv", rows, delimiter=",", header=header, comments="")
+    servo = run("drift", folder, "servo.csv", cwd=tmp_path)
+    assert servo.returncode == 2
+    assert "no measured drive" in servo.stderr
+    controller = Controller(output="torque_nm", kp=kp, source="test")
+    (folder / "controller.toml").write_text(controller.to_toml())
+    assert run("drift", folder, "servo.csv", cwd=tmp_path).returncode == 1
     missing = run("drift", tmp_path / "no", "same.csv", cwd=tmp_path)
     assert missing.returncode == 2
 
@@ -154,8 +168,9 @@ class Stated:
 
     joint: str
     mjcf: str
-    posterior: Posterior
+    posterior: Posterior | None
     notes: tuple[str, ...] = ()
+    controller: Controller | None = None
     recordings: tuple[dict, ...] = ()
     added: tuple[Named, ...] = ()
 
@@ -184,17 +199,44 @@ def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
     # a joint that something pushes along: its viscous friction would be negative
     speeds = [np.gradient(log.position, log.time) for log in logs]
     pushed = [replace(x, torque=x.torque - 0.3 * v) for x, v in zip(logs, speeds, strict=True)]
-    said = {row["number"] for row in with_recordings(stated, pushed).recordings}
+    found = with_recordings(stated, pushed)
+    said = {row["number"] for row in found.recordings}
     assert "sigma2" not in said
     assert "Fc" in said
-    # what the report does not determine cannot differ
-    loose = np.diag(np.abs(numbers_in(k.content)))
-    assert (
-        with_recordings(
-            replace(stated, posterior=Posterior(dict(k.content), loose)), logs
-        ).recordings
-        == ()
+    assert "viscous friction" in found.notes[-1]
+
+
+def test_recordings_that_are_not_compared_are_said() -> None:
+    k = known()
+    stated = Stated("elbow", str(k.model), Posterior(dict(k.content), np.zeros((len(k.cov), 1))))
+    logs = [recording(30 + i) for i in range(3)]
+    deaf = with_recordings(stated, [recording(30 + i, noise=15.0) for i in range(3)])
+    assert deaf.recordings == ()
+    assert "Coulomb friction" in deaf.notes[0]
+    bare = [replace(x, torque=None, target=x.position) for x in logs]
+    (note,) = with_recordings(stated, bare).notes
+    assert "no measured drive" in note
+    (note,) = with_recordings(replace(stated, posterior=None), logs).notes
+    assert "no N m" in note
+
+
+def test_servo_recordings_are_compared_by_the_controller_that_was_found() -> None:
+    """Not by the one that was given, whose target comes 40 ms late."""
+    k, kp = known(), 40.0
+    controller = Controller(output="torque_nm", kp=kp, delay_s=0.04, source="test")
+    factor = np.diag(np.sqrt(np.diag(k.cov)))
+    stated = Stated(
+        "elbow", str(k.model), Posterior(dict(k.content), factor), controller=controller
     )
+    logs = []
+    for i, Fc in enumerate((0.24, 0.30, 0.36)):
+        log = recording(60 + i, Fc=Fc)
+        target = log.position + log.torque / kp
+        early = np.interp(log.time + controller.delay_s, log.time, target)
+        logs.append(replace(log, torque=None, target=early))
+    rows = {row["number"]: row for row in with_recordings(stated, logs).recordings}
+    values = [x["value"] for x in rows["Fc"]["recordings"]]
+    np.testing.assert_allclose(values, (0.24, 0.30, 0.36), rtol=0.05)
 
 
 def test_a_target_alone_has_no_numbers() -> None:
@@ -206,19 +248,44 @@ def test_a_target_alone_has_no_numbers() -> None:
         estimate(known(), bare)
 
 
-def test_intervals_over_recordings_hold_what_they_say() -> None:
-    """Of 2,100 simulated fleets of six recordings with errors of their own."""
+@pytest.mark.parametrize("tau", [0.0, 0.05, 0.2])
+@pytest.mark.parametrize("dof", [6.0, 1e6])
+@pytest.mark.parametrize("apart", [0.0, 0.5])
+def test_intervals_over_recordings_hold_what_they_say(tau: float, dof: float, apart: float) -> None:
+    """Of fleets of six recordings, whose errors are estimated from blocks of time.
+
+    `apart`: how much the factor by which correlation in time adds to the variance differs between
+    recordings.
+    """
     rng = np.random.default_rng(0)
-    for tau in (0.0, 0.05, 0.2):
-        inside, alarms = [], []
-        for _ in range(700):
-            stderr = rng.uniform(0.03, 0.1, 6)
-            y = 1.0 + tau * rng.standard_normal(6) + stderr * rng.standard_normal(6)
-            found = between(y, stderr)
-            inside.append(found.interval[0] < 1.0 < found.interval[1])
-            alarms.append(found.p_value < 0.05)
-        assert 0.90 < np.mean(inside) < 0.98
-        assert np.mean(alarms) < 0.08 if tau == 0.0 else np.mean(alarms) > 0.08
+    inside, alarms = [], []
+    for _ in range(700):
+        independent = rng.uniform(0.03, 0.1, 6) ** 2
+        variance = 3.0 * independent * np.exp(apart * rng.standard_normal(6))
+        y = 1.0 + tau * rng.standard_normal(6) + np.sqrt(variance) * rng.standard_normal(6)
+        block = variance * rng.chisquare(dof, 6) / dof
+        one, shared = moderated(block, independent, np.full(6, dof))
+        found = between(y, np.sqrt(one), shared)
+        inside.append(found.interval[0] < 1.0 < found.interval[1])
+        alarms.append(found.p_value < 0.05)
+    assert 0.90 < np.mean(inside) < 0.98
+    assert np.mean(alarms) < 0.08 if tau == 0.0 else np.mean(alarms) > 0.08
+
+
+def test_a_change_is_not_seen_in_logs_that_have_not_changed() -> None:
+    """The error of a mean over new logs holds with as many degrees of freedom as it states."""
+    rng = np.random.default_rng(2)
+    for k in (2, 4):
+        beyond = []
+        for _ in range(2000):
+            independent = rng.uniform(0.03, 0.1, k) ** 2
+            y = np.sqrt(independent) * rng.standard_normal(k)
+            one, shared = moderated(
+                independent * rng.chisquare(6, k) / 6, independent, np.full(k, 6.0)
+            )
+            found = between(y, np.sqrt(one), shared)
+            beyond.append(abs(found.mean) > t.isf(0.025, found.dof) * found.stderr)
+        assert np.mean(beyond) < 0.06
 
 
 def test_a_difference_is_laid_to_what_explains_it_and_to_nothing_else() -> None:
@@ -227,11 +294,11 @@ def test_a_difference_is_laid_to_what_explains_it_and_to_nothing_else() -> None:
     other = rng.standard_normal(8)
     stderr = np.full(8, 0.01)
     y = 1.0 - 0.01 * (warm - 30.0) + stderr * rng.standard_normal(8)
-    found = between(y, stderr, {"load": other, "temperature_c": warm})
+    found = between(y, stderr, 100.0, {"load": other, "temperature_c": warm})
     assert found.cause == "temperature_c"
     assert found.slope == pytest.approx(-0.01, rel=0.1)
     y = 1.0 + 0.1 * rng.standard_normal(8)
-    assert between(y, stderr, {"load": other, "temperature_c": warm}).cause == ""
+    assert between(y, stderr, 100.0, {"load": other, "temperature_c": warm}).cause == ""
 
 
 def test_a_known_controller_stands_for_a_drive_that_was_not_logged() -> None:

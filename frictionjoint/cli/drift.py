@@ -41,7 +41,8 @@ def drift(
     """State which friction numbers of a report are confirmed by new logs and which have changed.
 
     Exit code 1 if a number has changed by more than all errors explain, for maintenance scripts.
-    *Not resolvable*: the new logs would not show a change by half of the number.
+    *Not resolvable*: the new logs would not show a change by half of the number. Logs of target and
+    position are compared by the controller of the report, or by --controller.
 
     Example: `frictionjoint drift report today.csv`
     """
@@ -52,13 +53,15 @@ def drift(
     from frictionjoint.model_files import compile_model
     from frictionjoint.recordings.drift import drift as compared
     from frictionjoint.recordings.drift import known_of
+    from frictionjoint.report.write_robot import controller_file
 
     with progress() as say:
         paths = log_paths(logs, [], options.join)
         known = replace(known_of(report, joint), fixed=poses(fixed))
         reading = options.reading(known.joint, paths)
         say("comparing")
-        drives = controller_of(controller, known.joint, [compile_model(known.model)])
+        given = controller or controller_file(report, known.joint)
+        drives = controller_of(given, known.joint, [compile_model(known.model)])
         new = [with_known_drive(reading.read(path), drives) for path in paths.logs]
         rows = compared(known, new)
     changed = [x.name for x in rows if x.state == "changed"]

@@ -10,7 +10,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller, unknown_notes
 from frictionjoint.control.controller_file import GivenController, controller_of
-from frictionjoint.control.reconstruct import check_drive, with_known_drive
+from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
@@ -131,12 +131,15 @@ def close_loop(
     for log in logs:
         require_motion(f"{log.name}, {joint}", log.position)
     report = explain(logs, held_out, bodies, seed, progress, law, known, refine)[0]
-    if isinstance(model, Mapping):  # of different loads
-        return report
-
     progress("comparing the recordings")
     recordings = [*logs, *([] if split else held_out)]
-    return with_recordings(report, [with_known_drive(x, known) for x in recordings], fixed)
+    # the model of the report has the load of the first log
+    loads = bodies.of(recordings)
+    alike = [x for x, load in zip(recordings, loads, strict=True) if load is loads[0]]
+    if len(alike) < len(recordings):
+        note = f"Recordings are compared with each other only under the load of {logs[0].name}."
+        report = replace(report, notes=(*report.notes, note))
+    return with_recordings(report, alike, fixed)
 
 
 @one_thread

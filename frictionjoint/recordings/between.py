@@ -1,17 +1,20 @@
 """How much a parameter differs between recordings, beyond the error of each estimate.
 
 Random-effects meta-analysis: the estimate of recording i is y_i = mu + u_i + e_i, where e_i has a
-known standard error and u_i has the variance tau^2 between recordings. tau^2 is estimated by the
-method of DerSimonian and Laird (1986), the interval of the mean by that of Hartung and Knapp
-(2001). Cochran's Q tests tau^2 = 0.
+standard error of its own and u_i has the variance tau^2 between recordings. tau^2 is estimated by
+the method of DerSimonian and Laird (1986), the interval of the mean by that of Hartung and Knapp
+(2001). Cochran's Q tests tau^2 = 0, as a ratio of variances: those of the estimates are estimates.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2, t
+from scipy.stats import f, t
 
 from frictionjoint.arrays import Array
+from frictionjoint.recordings.estimate import Estimates
+from frictionjoint.recordings.variances import moderated
 
 # largest p-value at which recordings are said to differ, and at which a cause is named
 _SURE, _CAUSED = 0.05, 0.01
@@ -27,6 +30,7 @@ class Between:
         mean: over recordings. interval: 95% interval of the mean.
         deviation: standard deviation between recordings, beyond the errors of the estimates.
         p_value: probability that the errors alone cause such a difference.
+        stderr, dof: standard error of the mean and its degrees of freedom (Satterthwaite 1946).
         cause: quantity that explains most of the difference, "" for none.
         slope: change of the parameter per unit of the cause.
     """
@@ -35,15 +39,37 @@ class Between:
     interval: tuple[float, float]
     deviation: float
     p_value: float
+    stderr: float
+    dof: float
     cause: str = ""
     slope: float = 0.0
 
 
-def between(value: Array, stderr: Array, causes: dict[str, Array] | None = None) -> Between:
+def over(found: Sequence[Estimates], i: int) -> Between:
+    """Parameter i over two recordings or more, and what its differences may be attributed to."""
+    value, stderr, independent = (
+        np.array([getattr(x, kind)[i] for x in found])
+        for kind in ("value", "stderr", "independent")
+    )
+    variance, dof = moderated(stderr**2, independent**2, np.array([x.dof for x in found]))
+    causes = {
+        "temperature_c": np.array([x.temperature for x in found]),
+        "speed": np.array([x.speed for x in found]),
+        "direction": np.array([x.direction for x in found]),
+        "order of the recordings": np.arange(len(found), dtype=float),
+        "torque": np.array([x.load for x in found]),
+    }
+    return between(value, np.sqrt(variance), dof, causes)
+
+
+def between(
+    value: Array, stderr: Array, dof: float, causes: dict[str, Array] | None = None
+) -> Between:
     """Mean and variance of a parameter over recordings.
 
     Args:
         value, stderr: estimate of each recording and its error, shape (k,), k >= 2.
+        dof: degrees of freedom of the errors.
         causes: quantities that differ between recordings, shape (k,) each; those with NaN are left
             out.
     """
@@ -52,11 +78,22 @@ def between(value: Array, stderr: Array, causes: dict[str, Array] | None = None)
     mean = float(w @ value / w.sum())
     spread = float(w @ (value - mean) ** 2 / ((k - 1) * w.sum()))
     half = float(t.ppf(0.975, k - 1) * np.sqrt(spread))
-    p_value = float(chi2.sf(Q, k - 1))
+    p_value = float(f.sf(Q / (k - 1), k - 1, dof))
+    errors = 1.0 / float(np.sum(stderr**-2.0))
+    added = 1.0 / float(w.sum()) - errors
     cause, slope = "", 0.0
     if p_value < _SURE and k >= _FEWEST:
         cause, slope = _cause(value, stderr, deviation, causes or {})
-    return Between(mean, (mean - half, mean + half), deviation, p_value, cause, slope)
+    return Between(
+        mean,
+        (mean - half, mean + half),
+        deviation,
+        p_value,
+        stderr=float(np.sqrt(errors + added)),
+        dof=(errors + added) ** 2 / (errors**2 / dof + added**2 / (k - 1)),
+        cause=cause,
+        slope=slope,
+    )
 
 
 def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float, int]:

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import t
 
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_report
 from frictionjoint.measured.log import JointLog
-from frictionjoint.recordings.between import between
+from frictionjoint.recordings.between import over
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
 from frictionjoint.refine.posterior import Posterior
 
@@ -83,30 +83,32 @@ def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
         LogError: see `estimate`.
     """
     found = [estimate(known, log) for log in logs]
-    before, error = known.values, known.stderr
     rows = []
-    for i, number in enumerate(known.numbers):
-        now, own = _together(found, i)
-        sd = float(np.hypot(error[i], own))
+    for i, (number, before, error) in enumerate(
+        zip(known.numbers, known.values, known.stderr, strict=True)
+    ):
+        now, own, dof = _together(found, i)
+        sd = float(np.hypot(error, own))
         informed = max(x.informed[i] for x in found)
-        blind = 2.0 * sd > _NOTICED * abs(before[i]) or informed < _INFORMED
-        rows.append((number.name, float(before[i]), now, sd, blind))
-    tested = sum(not row[-1] for row in rows)
-    limit = float(norm.isf(_ALARM / (2.0 * max(1, tested))))
+        blind = 2.0 * sd > _NOTICED * abs(before) or informed < _INFORMED
+        # Satterthwaite: the report's error is known, that of the logs is estimated
+        rows.append((number.name, float(before), now, sd, blind, dof * (sd / own) ** 4))
+    tested = sum(not row[4] for row in rows)
 
-    def state(old: float, now: float, sd: float, blind: bool) -> State:
-        if abs(now - old) > limit * sd and not blind:
-            return "changed"
-        return "not resolvable" if blind else "confirmed"
+    def state(before: float, now: float, sd: float, blind: bool, dof: float) -> State:
+        if blind:
+            return "not resolvable"
+        limit = float(t.isf(_ALARM / (2.0 * tested), dof))
+        return "changed" if abs(now - before) > limit * sd else "confirmed"
 
     return [Drift(*row[:4], state=state(*row[1:])) for row in rows]
 
 
-def _together(found: Sequence[Estimates], i: int) -> tuple[float, float]:
-    """Mean of a parameter over new logs, and its standard error, including their differences."""
-    value, stderr = (np.array([getattr(x, k)[i] for x in found]) for k in ("value", "stderr"))
+def _together(found: Sequence[Estimates], i: int) -> tuple[float, float, float]:
+    """Mean of a parameter over new logs, its standard error, including their differences, and the
+    degrees of freedom of that error.
+    """
     if len(found) == 1:
-        return float(value[0]), float(stderr[0])
-    over = between(value, stderr)
-    w = 1.0 / (stderr**2 + over.deviation**2)
-    return over.mean, float(np.sqrt(1.0 / w.sum()))
+        return float(found[0].value[i]), float(found[0].stderr[i]), found[0].dof
+    all_of_them = over(found, i)
+    return all_of_them.mean, all_of_them.stderr, all_of_them.dof

@@ -58,7 +58,8 @@ class Estimates:
 
     Attributes:
         numbers: the p parameters. value: shape (p,).
-        stderr: standard errors from blocks of time, shape (p,).
+        stderr: standard errors from blocks of time, shape (p,). independent: what they would be if
+            samples were independent, shape (p,). dof: degrees of freedom of `stderr`.
         informed: fraction of the information on each parameter that comes from the recording and
             not from the prior, 0 to 1, shape (p,).
         temperature, load, speed: means that may explain a difference between recordings, deg C, N m
@@ -71,6 +72,8 @@ class Estimates:
     numbers: tuple[Number, ...]
     value: Array
     stderr: Array
+    independent: Array
+    dof: float
     informed: Array
     temperature: float
     load: float
@@ -136,8 +139,9 @@ def estimate(known: Known, log: JointLog) -> Estimates:
             step += weight / len(signs) * one.step
             influence += weight / len(signs) * one.influence
             if variance == 0.0:
-                measured, informed = balances, one.informed
+                measured, independent = balances, one.independent
     m = int(np.sum(np.any(influence != 0.0, axis=1)))
+    dof = float(max(1, m - len(numbers)))
     v = np.concatenate([x.velocity for x in measured])
     speed = float(np.mean(np.abs(v)))
     temperature = np.nan if log.temperature is None else float(np.mean(log.temperature))
@@ -145,8 +149,11 @@ def estimate(known: Known, log: JointLog) -> Estimates:
         log=log.name,
         numbers=tuple(numbers),
         value=known.values + step,
-        stderr=np.sqrt(np.sum(influence**2, axis=0) * m / max(1, m - len(numbers))),
-        informed=informed,
+        stderr=np.sqrt(np.sum(influence**2, axis=0) * m / dof),
+        independent=independent,
+        dof=dof,
+        # as for independent samples, an upper limit of the information in the recording
+        informed=np.clip(1.0 - (independent / prior) ** 2, 0.0, 1.0),
         temperature=temperature,
         load=float(np.mean(np.abs(np.concatenate([x.acted for x in measured])))),
         speed=speed,
@@ -173,7 +180,10 @@ class _Part:
     @classmethod
     def of(cls, known: Known, log: JointLog) -> "_Part":
         if all(getattr(log, kind) is None for kind in ("torque", "voltage", "current")):
-            raise LogError(f"{log.name}: no measured drive, which recordings are compared by")
+            raise LogError(
+                f"{log.name}: no measured drive, and no controller whose kp and supply are known: "
+                "recordings are compared by it."
+            )
         _, position, dt = on_a_grid(log)
         corner = motion_band(position, dt).whole
         drawn = np.random.default_rng(0).standard_normal(len(position))
@@ -202,11 +212,11 @@ class _Balance(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """Change of the parameters, share of each block of time in its error, and `informed`."""
+    """Change of the parameters, share of each block of time in its error, and `independent`."""
 
     step: Array
     influence: Array
-    informed: Array
+    independent: Array
 
 
 def _solve(balances: Sequence[_Balance], prior: Array) -> _Step:
@@ -224,9 +234,7 @@ def _solve(balances: Sequence[_Balance], prior: Array) -> _Step:
         np.add.at(score, x.block, x.by * (x.residual + x.by @ step)[:, None])
         scores.append(score / variance)
     inverse = np.linalg.inv(precision)
-    # as for independent samples, an upper limit of the information in the recording
-    informed = 1.0 - np.diag(inverse) / prior**2
-    return _Step(step, -np.concatenate(scores) @ inverse, np.clip(informed, 0.0, 1.0))
+    return _Step(step, -np.concatenate(scores) @ inverse, np.sqrt(np.diag(inverse)))
 
 
 def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) -> _Balance:

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from frictionjoint.control.reconstruct import with_known_drive
 from frictionjoint.effects.catalogue import CATALOGUE, title
-from frictionjoint.errors import FrictionJointError
+from frictionjoint.errors import FrictionJointError, ParameterError
 from frictionjoint.identify.held import Pose
 from frictionjoint.measured.log import JointLog
-from frictionjoint.recordings.between import Between, between
+from frictionjoint.recordings.between import Between, over
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ FEWEST = 3
 _SURE = 0.05
 # least fraction of the information on a parameter that must come from each recording
 _INFORMED = 0.5
-# standard error, as a fraction of the value, above which a parameter counts as undetermined
+# half width of the mean's interval, as a fraction of the mean, above which it is undetermined
 _LOOSE = 0.5
 _MEASURED = {
     e.name for e in CATALOGUE if e.entry in ("acts on the measurement", "acts on the motor")
@@ -33,86 +34,100 @@ def with_recordings(
 ) -> "Report":
     """Add the differences of parameters between recordings to a report and to its samples.
 
+    Recordings of target and position get the drive of the controller that the report found. Where
+    nothing can be compared a note says why.
+
     Args:
-        logs: recordings with measured drives; with fewer than three, the report is unchanged.
-    Returns:
-        the report; unchanged if there is nothing to compare.
+        logs: recordings; with fewer than three, the report is unchanged.
     """
-    posterior = report.posterior
-    drives = [log for log in logs if log.torque is not None or log.voltage is not None]
-    if posterior is None or len(drives) < FEWEST:
+    if len(logs) < FEWEST:
         return report
-    corrected = [x.effect for x in report.added if x.effect in _MEASURED]
-    if corrected:
-        note = (
-            "The recordings were not compared with each other: the comparison takes the measured "
-            f"torque as it is, and this result corrects it ({', '.join(map(title, corrected))})."
-        )
-        return replace(report, notes=(*report.notes, note))
-    cov = posterior.factor @ posterior.factor.T
-    known = Known(report.mjcf, report.joint, posterior.content, cov, fixed)
     try:
-        found = [estimate(known, log) for log in drives]
+        known = _known(report, fixed)
+        found = [estimate(known, with_known_drive(log, report.controller)) for log in logs]
     except FrictionJointError as error:
         note = f"The recordings were not compared with each other: {error}"
         return replace(report, notes=(*report.notes, note))
-    rows, columns, said = [], [posterior.factor], []
-    loose = known.stderr > _LOOSE * np.abs(known.values)
+    assert report.posterior is not None
+    rows, columns, said, open_ones = [], [report.posterior.factor], [], []
     for i, number in enumerate(known.numbers):
         own = [x for x in found if x.informed[i] > _INFORMED]
-        if len(own) < FEWEST or loose[i]:
+        between = over(own, i) if len(own) >= FEWEST else None
+        # A parameter of a law cannot be negative, so such estimates have another cause.
+        if between is None or not _determined(between) or (number.of_law and between.mean < 0.0):
+            open_ones.append(number.words)
             continue
-        over = _over(own, i)
-        # A parameter of a law cannot be negative, so these estimates have another cause.
-        if number.of_law and over.mean < 0.0:
-            continue
-        rows.append(_row(number.name, over, own, i))
+        rows.append(_row(number.name, between, own, i))
         # one false alarm in twenty reports, over all parameters
-        if over.p_value < _SURE / len(known.numbers) and over.deviation > 0.0:
-            column = np.zeros((len(cov), 1))
-            column[list(number.indices)] = over.deviation
+        if between.p_value < _SURE / len(known.numbers) and between.deviation > 0.0:
+            column = np.zeros((len(known.cov), 1))
+            column[list(number.indices)] = between.deviation
             columns.append(column)
-            said.append(_sentence(number.words, over))
+            said.append(_sentence(number.words, between))
+    if open_ones:
+        said.append(
+            "Not compared between recordings, as these do not determine it: "
+            f"{', '.join(open_ones)}."
+        )
     return replace(
         report,
         recordings=tuple(rows),
-        posterior=replace(posterior, factor=np.hstack(columns)),
+        posterior=replace(report.posterior, factor=np.hstack(columns)),
         notes=(*report.notes, *said),
     )
 
 
-def _over(found: Sequence[Estimates], i: int) -> Between:
-    value, stderr = (np.array([getattr(x, k)[i] for x in found]) for k in ("value", "stderr"))
-    causes = {
-        "temperature_c": np.array([x.temperature for x in found]),
-        "speed": np.array([x.speed for x in found]),
-        "direction": np.array([x.direction for x in found]),
-        "order of the recordings": np.arange(len(found), dtype=float),
-        "torque": np.array([x.load for x in found]),
-    }
-    return between(value, stderr, causes)
+def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
+    """The friction of a report.
+
+    Raises:
+        ParameterError: it has none in N m, or corrects the drive that recordings are compared by.
+    """
+    posterior = report.posterior
+    if posterior is None:
+        raise ParameterError(
+            "these logs do not determine the torque of the drive, so friction has no N m (N) to "
+            "compare by. A load that gravity changes, or a known payload, determines it."
+        )
+    corrected = [x.effect for x in report.added if x.effect in _MEASURED]
+    if corrected:
+        raise ParameterError(
+            "the comparison takes the drive as it is measured, and this result corrects it "
+            f"({', '.join(map(title, corrected))})."
+        )
+    cov = posterior.factor @ posterior.factor.T
+    return Known(report.mjcf, report.joint, posterior.content, cov, fixed)
 
 
-def _row(name: str, over: Between, found: Sequence[Estimates], i: int) -> dict[str, Any]:
+def _determined(between: Between) -> bool:
+    low, high = between.interval
+    return high - low < 2.0 * _LOOSE * abs(between.mean)
+
+
+def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dict[str, Any]:
     return {
         "number": name,
-        "mean": over.mean,
-        "interval": list(over.interval),
-        "deviation": over.deviation,
-        "p_value": over.p_value,
-        "cause": over.cause or None,
-        "slope": over.slope if over.cause else None,
+        "mean": between.mean,
+        "interval": list(between.interval),
+        "deviation": between.deviation,
+        "p_value": between.p_value,
+        "cause": between.cause or None,
+        "slope": between.slope if between.cause else None,
         "recordings": [
             {"log": x.log, "value": float(x.value[i]), "stderr": float(x.stderr[i])} for x in found
         ],
     }
 
 
-def _sentence(name: str, over: Between) -> str:
-    share = f", {over.deviation / abs(over.mean):.0%} of it" if over.mean else ""
-    cause = f" Most of it follows {over.cause} ({over.slope:.2g} per unit)." if over.cause else ""
+def _sentence(name: str, between: Between) -> str:
+    share = f", {between.deviation / abs(between.mean):.0%} of it" if between.mean else ""
+    cause = (
+        f" Most of it follows {between.cause} ({between.slope:.2g} per unit)."
+        if between.cause
+        else ""
+    )
     return (
-        f"Between recordings, {name} varies by {over.deviation:.2g}{share} (standard deviation, "
-        f"without the error of each; p {over.p_value:.2g}).{cause} Samples of the parameters "
+        f"Between recordings, {name} varies by {between.deviation:.2g}{share} (standard deviation, "
+        f"without the error of each; p {between.p_value:.2g}).{cause} Samples of the parameters "
         "include this variation."
     )

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from frictionjoint.files import read_report
 from frictionjoint.model_text import placed, require_compiles
 from frictionjoint.report import charts
 from frictionjoint.report.html import fill
@@ -35,11 +36,22 @@ def write_robot_report(report: RobotReport, folder: Path, command: str) -> None:
     }
     for name, result in report.joints.items():
         if result.report.controller is not None:
-            file = Path(pages[name]).with_suffix(".controller.toml").name
-            contents[file] = result.report.controller.to_toml()
+            contents[_controller_file(pages[name])] = result.report.controller.to_toml()
     if report.excitation:
         contents["next_trajectory.csv"] = report.excitation.csv()
     write_files(folder, contents, {"model.xml": require_compiles})
+
+
+def controller_file(report: Path, joint: str) -> Path | None:
+    """The controller of a joint that a report of it, or of its robot, has next to it."""
+    file, content = read_report(report)
+    names = list(content.get("joints", {}))
+    own = file.with_name(_controller_file(page_names(names)[joint]) if names else "controller.toml")
+    return own if own.is_file() else None
+
+
+def _controller_file(page: str) -> str:
+    return Path(page).with_suffix(".controller.toml").name
 
 
 def render_robot(report: RobotReport, pages: dict[str, str], content: Mapping[str, Any]) -> str:

@@ -8,7 +8,6 @@ import numpy as np
 
 from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.reconstruct import with_known_drive
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.kept_back import prepare_kept_back
@@ -129,9 +128,7 @@ def _explained(task: Task) -> Explained:
         controller=task.controller,
         refine=task.refine,
     )
-    report = with_recordings(
-        report, [with_known_drive(log, task.controller) for log in task.logs], task.fixed
-    )
+    report = with_recordings(report, task.logs, task.fixed)
     final = stated_covariance(trace.prepared, trace.final)
     left = errors_elsewhere(trace.prepared, trace.final, final)
     kept_back = _kept_back(task, body, trace, left)
