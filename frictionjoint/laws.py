@@ -11,11 +11,9 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.parameters import Friction, FrictionParameters, require_table
 from frictionjoint.rivals import RIVALS
 
-_CLASSES: dict[str, Any] = {
-    FrictionParameters.law: FrictionParameters,
-    **{cls.law: cls for cls in RIVALS},
-}
-_NUMBERS: dict[float, Any] = {1.0: FrictionParameters, **{float(c.number): c for c in RIVALS}}
+_ALL: tuple[type[Friction], ...] = (FrictionParameters, *RIVALS)
+_CLASSES = {cls.law: cls for cls in _ALL}
+_NUMBERS = {float(cls.number): cls for cls in _ALL}
 
 
 def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
@@ -28,8 +26,7 @@ def parameters_from_dict(values: Mapping[str, Any]) -> Friction:
     law = values.get("law", "integrated")
     if not isinstance(law, str) or law not in _CLASSES:
         raise ParameterError(f"unknown law {law!r}: known are {', '.join(_CLASSES)}")
-    found: Friction = _CLASSES[law].from_dict(values)
-    return found
+    return _CLASSES[law].from_dict(values)
 
 
 def unpack(block: NDArray[np.float64]) -> Friction:
@@ -40,13 +37,12 @@ def unpack(block: NDArray[np.float64]) -> Friction:
     """
     if len(block) < 1 or float(block[0]) not in _NUMBERS:
         raise ParameterError(f"no friction law has the number {block[:1]}")
-    found: Friction = _NUMBERS[float(block[0])].unpack(block)
-    return found
+    return _NUMBERS[float(block[0])].unpack(block)
 
 
 def require_parameters(parameters: Any, where: str) -> None:
     """Raise TypeError, with the fix, unless these are parameters of a law."""
-    if isinstance(parameters, tuple(_CLASSES.values())):
+    if isinstance(parameters, Friction):
         return
     if isinstance(parameters, Mapping):
         fix = "make them with FrictionParameters.from_dict(...)"

@@ -3,9 +3,9 @@ reads."""
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, Protocol, get_args
+from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,33 +20,121 @@ Knots = tuple[tuple[float, float], ...]
 
 MOST_KNOTS = 16
 MOST_EXPONENT = 1000.0
-_INTEGRATED = 1
-_SIDES = ("pos", "neg")
+SIDES = ("pos", "neg")
 # numbers that a law has for each direction; a file may give one for both
-_PAIRED = ("Fs", "Fc", "Vs", "delta", "sigma2")
+LEVELS = ("Fs", "Fc", "Vs", "delta", "sigma2")
+_MAGNITUDE = "> 0 (a magnitude, also for negative motion)"
+# range of each number, whatever its direction
+_RANGES: dict[str, tuple[Callable[[float], bool], str]] = {
+    **dict.fromkeys(("Fs", "Fc"), (lambda x: x > 0.0, _MAGNITUDE)),
+    **dict.fromkeys(("Vs", "V0", "C", "sigma0"), (lambda x: x > 0.0, "> 0")),
+    **dict.fromkeys(("sigma1", "sigma2"), (lambda x: x >= 0.0, ">= 0")),
+    "delta": (lambda x: 0.0 < x <= 10.0, "in (0, 10]"),
+    "i": (lambda x: 0.0 <= x <= 10.0, "in [0, 10]"),
+    "breakaway": (lambda x: 0.0 <= x <= 0.99, "in [0, 0.99]"),
+    "n": (lambda x: 1.0 <= x <= MOST_EXPONENT, f"in [1, {MOST_EXPONENT:g}]"),
+}
 
 
-class Friction(Protocol):
-    """Interface of every law's parameters for kernels, files and models."""
+def damaged_block() -> ParameterError:
+    """The error for a block that `pack` has not written."""
+    return ParameterError("the friction block is damaged: install the friction again")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friction:
+    """Parameters of a friction law: validated numbers, files, and the block that a kernel reads.
+
+    Raises:
+        ParameterError: a value out of its range; the message names it and the range.
+    """
 
     law: ClassVar[str]
+    number: ClassVar[int]
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            if field.type is float:
+                value = check_number(field.name, getattr(self, field.name))
+                holds, allowed = _RANGES[field.name.partition("_")[0]]
+                require(holds(value), field.name, value, allowed)
+                object.__setattr__(self, field.name, value)
+        self._check()
+
+    def _check(self) -> None:
+        """Check what concerns several numbers."""
 
     @property
     def stiffness(self) -> float:
         """Presliding stiffness at a reversal, N m/rad."""
-        ...
+        raise NotImplementedError
 
     def pack(self) -> NDArray[np.float64]:
-        """The law's block of numbers, as its kernel reads them."""
-        ...
+        """The block of numbers that the law's kernel reads, the number of the law in front."""
+        raise NotImplementedError
+
+    @classmethod
+    def unpack(cls, block: NDArray[np.float64]) -> Self:
+        """Inverse of `pack`.
+
+        Raises:
+            ParameterError: the block is damaged or its values are out of range.
+        """
+        raise NotImplementedError
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values by field name, `law` included, for TOML and JSON."""
-        ...
+        """Plain values by field name, `law` first, for TOML and JSON."""
+        values = {
+            name: [list(pair) for pair in x] if isinstance(x, tuple) else x
+            for name, x in dataclasses.asdict(self).items()
+        }
+        return {"law": self.law, **values}
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+        """Inverse of `to_dict`; ``Fs`` in place of ``Fs_pos`` and ``Fs_neg`` is both.
+
+        Raises:
+            ParameterError: a key is unknown or missing, or a value out of range.
+            TypeError: `values` is no dict.
+        """
+        require_table(values)
+        given = both_directions({key: x for key, x in values.items() if key != "law"})
+        check_keys(cls, given)
+        return cls(**given)
+
+    def _repr_html_(self) -> str:
+        values = self.to_dict().items()
+        return number_table("friction: N m and rad, N and m for a slide", values)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StribeckFriction(Friction):
+    """Levels with a Stribeck effect; see `FrictionParameters` for ranges and units."""
+
+    Fs_pos: float
+    Fs_neg: float
+    Fc_pos: float
+    Fc_neg: float
+    Vs_pos: float
+    Vs_neg: float
+    delta_pos: float = 2.0
+    delta_neg: float = 2.0
+    sigma2_pos: float = 0.0
+    sigma2_neg: float = 0.0
+
+    def _check(self) -> None:
+        for side in SIDES:
+            Fs, Fc = getattr(self, f"Fs_{side}"), getattr(self, f"Fc_{side}")
+            require(Fc <= Fs, f"Fc_{side}", Fc, f"in (0, Fs_{side} = {Fs:g}]")
+
+    def levels(self, side: str) -> list[float]:
+        """The numbers of a direction, in the order of `LEVELS`."""
+        return [getattr(self, f"{name}_{side}") for name in LEVELS]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class FrictionParameters:
+class FrictionParameters(StribeckFriction):
     """Parameters of the integrated friction model (Ganseman et al. 1997), one joint.
 
     Torques are magnitudes in N m, also those of the negative direction (the paper writes Fs-,
@@ -70,16 +158,6 @@ class FrictionParameters:
         ParameterError: a value out of its range; the message names it and the range.
     """
 
-    Fs_pos: float
-    Fs_neg: float
-    Fc_pos: float
-    Fc_neg: float
-    Vs_pos: float
-    Vs_neg: float
-    delta_pos: float = 2.0
-    delta_neg: float = 2.0
-    sigma2_pos: float = 0.0
-    sigma2_neg: float = 0.0
     sigma1: float = 0.0
     n: float = 1.0
     knots: Knots
@@ -87,26 +165,10 @@ class FrictionParameters:
     virgin: Virgin = "literal"
 
     law: ClassVar[str] = "integrated"
+    number: ClassVar[int] = 1
 
-    def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):
-            if field.name in ("knots", "variant", "virgin"):
-                continue
-            object.__setattr__(
-                self, field.name, check_number(field.name, getattr(self, field.name))
-            )
-        for side in ("pos", "neg"):
-            Fs, Fc = getattr(self, f"Fs_{side}"), getattr(self, f"Fc_{side}")
-            require(Fs > 0, f"Fs_{side}", Fs, "> 0 (a magnitude, also for negative motion)")
-            require(0 < Fc <= Fs, f"Fc_{side}", Fc, f"in (0, Fs_{side} = {Fs:g}]")
-            Vs = getattr(self, f"Vs_{side}")
-            require(Vs > 0, f"Vs_{side}", Vs, "> 0")
-            delta = getattr(self, f"delta_{side}")
-            require(0 < delta <= 10, f"delta_{side}", delta, "in (0, 10]")
-            sigma2 = getattr(self, f"sigma2_{side}")
-            require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
-        require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
-        require(1 <= self.n <= MOST_EXPONENT, "n", self.n, f"in [1, {MOST_EXPONENT:g}]")
+    def _check(self) -> None:
+        super()._check()
         require(self.variant in get_args(Variant), "variant", self.variant, _one_of(Variant))
         require(self.virgin in get_args(Virgin), "virgin", self.virgin, _one_of(Virgin))
         object.__setattr__(self, "knots", _checked_knots(self.knots, self.Fs_pos + self.Fs_neg))
@@ -122,7 +184,7 @@ class FrictionParameters:
         sigma2: float = 0.0,
         stiffness: float | None = None,
         **others: Any,
-    ) -> "FrictionParameters":
+    ) -> Self:
         """The same levels in both directions; `others` are the remaining fields.
 
         Args:
@@ -136,12 +198,9 @@ class FrictionParameters:
         if (stiffness is None) == ("knots" not in others):
             raise ParameterError("give stiffness, N m/rad, or knots, not both and not neither")
         if stiffness is not None:
-            others["knots"] = knots_of(Fs, stiffness)
-        pairs = {"Fs": Fs, "Fc": Fc, "Vs": Vs, "delta": delta, "sigma2": sigma2}
-        both: dict[str, Any] = {
-            f"{name}_{side}": x for name, x in pairs.items() for side in ("pos", "neg")
-        }
-        return cls(**both, **others)
+            others["stiffness"] = stiffness
+        levels = {"Fs": Fs, "Fc": Fc, "Vs": Vs, "delta": delta, "sigma2": sigma2}
+        return cls.from_dict(levels | others)
 
     @property
     def stiffness(self) -> float:
@@ -151,23 +210,13 @@ class FrictionParameters:
 
     def pack(self) -> NDArray[np.float64]:
         """The block ``law.integrated`` reads, the number of the law in front."""
-        sides = [
-            getattr(self, f"{name}_{side}")
-            for side in ("pos", "neg")
-            for name in ("Fs", "Fc", "Vs", "delta", "sigma2")
-        ]
-        head = [
-            float(_INTEGRATED),
-            float(self.variant == "lampaert2002"),
-            float(self.virgin == "masing"),
-            self.n,
-            self.sigma1,
-        ]
+        head = [self.variant == "lampaert2002", self.virgin == "masing", self.n, self.sigma1]
+        sides = [x for side in SIDES for x in self.levels(side)]
         knots = [x for z, F, K in _segments(self.knots) for x in (z, F, K)]
-        return np.array([*head, *sides, float(len(self.knots)), *knots])
+        return np.array([self.number, *head, *sides, len(self.knots), *knots], dtype=np.float64)
 
     @classmethod
-    def unpack(cls, block: NDArray[np.float64]) -> "FrictionParameters":
+    def unpack(cls, block: NDArray[np.float64]) -> Self:
         """Inverse of `pack`.
 
         Raises:
@@ -176,8 +225,8 @@ class FrictionParameters:
         values = [float(x) for x in block]
         n = int(values[15]) if len(values) > 15 and math.isfinite(values[15]) else -1
         if n < 1 or len(values) != 16 + 3 * n:
-            raise ParameterError("the friction block is damaged: install the friction again")
-        names = [f"{x}_{s}" for s in ("pos", "neg") for x in ("Fs", "Fc", "Vs", "delta", "sigma2")]
+            raise damaged_block()
+        names = [f"{name}_{side}" for side in SIDES for name in LEVELS]
         return cls(
             **dict(zip(names, values[5:15], strict=True)),
             n=values[3],
@@ -195,33 +244,23 @@ class FrictionParameters:
         }
         return f"FrictionParameters({short(given)})"
 
-    def _repr_html_(self) -> str:
-        values = self.to_dict().items()
-        return number_table("friction: N m and rad, N and m for a slide", values)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values by field name, `law` first."""
-        values = dataclasses.asdict(self)
-        values["knots"] = [list(knot) for knot in self.knots]
-        return {"law": self.law, **values}
-
     @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> "FrictionParameters":
-        """Inverse of `to_dict`.
+    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+        """Inverse of `to_dict`; it takes a presliding `stiffness` in place of the knots too.
 
         Raises:
-            ParameterError: a key is unknown or missing.
+            ParameterError: a key is unknown or missing, or a value out of range.
             TypeError: `values` is no dict.
         """
         require_table(values)
-        given = both_directions({key: x for key, x in values.items() if key != "law"})
+        given = dict(values)
         if "stiffness" in given:
             if "knots" in given:
                 raise ParameterError("stiffness and knots are given: give one of them")
-            largest = max(check_number(f"Fs_{s}", given.get(f"Fs_{s}", 1.0)) for s in _SIDES)
+            both = both_directions(given)
+            largest = max(check_number(f"Fs_{s}", both.get(f"Fs_{s}", 1.0)) for s in SIDES)
             given["knots"] = knots_of(largest, given.pop("stiffness"))
-        check_keys(cls, given)
-        return cls(**given)
+        return super().from_dict(given)
 
 
 def knots_of(Fs: float, stiffness: float) -> Knots:
@@ -255,7 +294,7 @@ def both_directions(given: Mapping[str, Any]) -> dict[str, Any]:
     """
     found: dict[str, Any] = {}
     for key, x in given.items():
-        names = [f"{key}_{side}" for side in _SIDES] if key in _PAIRED else [key]
+        names = [f"{key}_{side}" for side in SIDES] if key in LEVELS else [key]
         for name in names:
             if name in found or (name != key and name in given):
                 raise ParameterError(f"{key} and {name} are given: give one of them")
@@ -317,13 +356,18 @@ def _one_of(literal: Any) -> str:
     return "one of " + ", ".join(repr(choice) for choice in get_args(literal))
 
 
-def _checked_knots(knots: Any, reach: float) -> Knots:
+def number_pairs(name: str, values: Any, what: str) -> tuple[tuple[float, float], ...]:
+    """Pairs of finite numbers, or ParameterError: `name` must be pairs `what`."""
     try:
-        pairs = tuple((check_number("knots", z), check_number("knots", F)) for z, F in knots)
-    except (TypeError, ValueError) as error:
-        if isinstance(error, ParameterError):
-            raise
-        raise ParameterError("knots must be pairs [z, F] of numbers: rad and N m") from None
+        return tuple((check_number(name, a), check_number(name, b)) for a, b in values)
+    except ParameterError:
+        raise
+    except (TypeError, ValueError):
+        raise ParameterError(f"{name} must be pairs {what}") from None
+
+
+def _checked_knots(knots: Any, reach: float) -> Knots:
+    pairs = number_pairs("knots", knots, "[z, F] of numbers: rad and N m")
     require(1 <= len(pairs) <= MOST_KNOTS, "number of knots", len(pairs), f"1 to {MOST_KNOTS}")
     z0 = F0 = 0.0
     previous = math.inf

@@ -6,52 +6,43 @@ m for rad. Every class raises `ParameterError`, naming the value and its range.
 
 import dataclasses
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.display import number_table
 from frictionjoint.errors import ParameterError
 from frictionjoint.parameters import (
-    both_directions,
-    check_keys,
-    check_number,
+    LEVELS,
+    SIDES,
+    Friction,
+    StribeckFriction,
+    damaged_block,
+    number_pairs,
     require,
-    require_table,
 )
 
 MOST_ELEMENTS = 16
-_SIDES = ("pos", "neg")
-_LEVELS = ("Fs", "Fc", "Vs", "delta", "sigma2")
-_PER_SIDE = len(_LEVELS)
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Rival:
-    """Common base of these classes: reading, writing and the block of numbers.
+class _Rival(Friction):
+    """Common base of these classes: the block of numbers.
 
     A block contains the law's number, sigma1, the levels of both directions, and the law's own
     numbers: the fields named in `own`.
     """
 
-    law: ClassVar[str]
-    number: ClassVar[int]
     own: ClassVar[tuple[str, ...]] = ()
 
-    def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):
-            if field.type is float:
-                value = check_number(field.name, getattr(self, field.name))
-                object.__setattr__(self, field.name, value)
-        self._check()
+    @classmethod
+    def symmetric(cls, **values: Any) -> Self:
+        """The same levels in both directions: ``Fs=1.2`` for ``Fs_pos=1.2, Fs_neg=1.2``."""
+        return cls.from_dict(values)
 
-    def _check(self) -> None:
-        raise NotImplementedError
-
-    def _levels(self, side: str) -> list[float]:
+    def levels(self, side: str) -> list[float]:
+        """The numbers of a direction, in the order of `LEVELS`."""
         raise NotImplementedError
 
     def _own(self) -> list[float]:
@@ -66,7 +57,7 @@ class _Rival:
 
     def pack(self) -> NDArray[np.float64]:
         """The block for ``law.kernel``, beginning with the number of the law."""
-        levels = [x for side in _SIDES for x in self._levels(side)]
+        levels = [x for side in SIDES for x in self.levels(side)]
         sigma1 = getattr(self, "sigma1", 0.0)
         return np.array([float(self.number), sigma1, *levels, *self._own()])
 
@@ -78,82 +69,40 @@ class _Rival:
             ParameterError: the block is damaged or its values are out of range.
         """
         numbers = [float(x) for x in block]
-        first = 2 + 2 * _PER_SIDE
-        names = [f"{name}_{side}" for side in _SIDES for name in _LEVELS]
-        damaged = ParameterError("the friction block is damaged: install the friction anew")
+        names = [f"{name}_{side}" for side in SIDES for name in LEVELS]
+        first = 2 + len(names)
         if len(numbers) < first:
-            raise damaged
+            raise damaged_block()
         try:
             levels = dict(zip(names, numbers[2:first], strict=True))
             found = cls._from_numbers(numbers[1], levels, numbers[first:])
-        except (IndexError, ValueError, OverflowError) as error:
-            if isinstance(error, ParameterError):
-                raise
-            raise damaged from None
+        except ParameterError:
+            raise
+        except (IndexError, ValueError, OverflowError):
+            raise damaged_block() from None
         # the numbers a law has no field for must be those it writes
         if not np.array_equal(found.pack(), block):
-            raise damaged
+            raise damaged_block()
         return found
-
-    def _repr_html_(self) -> str:
-        values = self.to_dict().items()
-        return number_table("friction: N m and rad, N and m for a slide", values)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values by field name, `law` first."""
-        values = dataclasses.asdict(self)
-        return {"law": self.law, **values}
-
-    @classmethod
-    def from_dict(cls, values: Mapping[str, Any]) -> Self:
-        """Inverse of `to_dict`.
-
-        Raises:
-            ParameterError: a key is unknown or missing, or a value out of range.
-        """
-        require_table(values)
-        given = both_directions({key: x for key, x in values.items() if key != "law"})
-        check_keys(cls, given)
-        return cls(**given)
-
-    @classmethod
-    def symmetric(cls, **values: Any) -> Self:
-        """The same levels in both directions: ``Fs=1.2`` for ``Fs_pos=1.2, Fs_neg=1.2``."""
-        both = {
-            (f"{name}_{side}" if name in _LEVELS else name): x
-            for name, x in values.items()
-            for side in _SIDES
-        }
-        check_keys(cls, both)
-        return cls(**both)
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Stribeck(_Rival):
-    """Levels with a Stribeck effect; see `FrictionParameters` for ranges and units."""
+class _Stribeck(StribeckFriction, _Rival):
+    """A law with a Stribeck effect."""
 
-    Fs_pos: float
-    Fs_neg: float
-    Fc_pos: float
-    Fc_neg: float
-    Vs_pos: float
-    Vs_neg: float
-    delta_pos: float = 2.0
-    delta_neg: float = 2.0
-    sigma2_pos: float = 0.0
-    sigma2_neg: float = 0.0
 
-    def _check(self) -> None:
-        for side in _SIDES:
-            Fs, Fc, Vs, delta, sigma2 = self._levels(side)
-            require(Fs > 0, f"Fs_{side}", Fs, "> 0 (a magnitude, also for negative motion)")
-            require(0 < Fc <= Fs, f"Fc_{side}", Fc, f"in (0, Fs_{side} = {Fs:g}]")
-            require(Vs > 0, f"Vs_{side}", Vs, "> 0")
-            require(0 < delta <= 10, f"delta_{side}", delta, "in (0, 10]")
-            require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
+@dataclass(frozen=True, kw_only=True)
+class _Bristle(_Stribeck):
+    """A law with a Stribeck effect and a spring of stiffness sigma0."""
 
-    def _levels(self, side: str) -> list[float]:
-        return [getattr(self, f"{name}_{side}") for name in _LEVELS]
+    sigma0: float
+
+    own: ClassVar[tuple[str, ...]] = ("sigma0",)
+
+    @property
+    def stiffness(self) -> float:
+        """Presliding stiffness, N m/rad."""
+        return self.sigma0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,13 +126,9 @@ class StaticParameters(_Stribeck):
         """Zero: the law has no presliding."""
         return 0.0
 
-    def _check(self) -> None:
-        super()._check()
-        require(self.V0 > 0, "V0", self.V0, "> 0")
-
 
 @dataclass(frozen=True, kw_only=True)
-class ArmstrongParameters(_Stribeck):
+class ArmstrongParameters(_Bristle):
     """Linear presliding spring with breakaway, Armstrong-Helouvry (1991), ``law.armstrong``.
 
     Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
@@ -192,31 +137,14 @@ class ArmstrongParameters(_Stribeck):
         sigma0: stiffness before breakaway, N m/rad, > 0.
     """
 
-    sigma0: float
-
     law: ClassVar[str] = "armstrong"
     number: ClassVar[int] = 3
-    own: ClassVar[tuple[str, ...]] = ("sigma0",)
-
-    @property
-    def stiffness(self) -> float:
-        """Presliding stiffness, N m/rad."""
-        return self.sigma0
-
-    def _check(self) -> None:
-        super()._check()
-        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
 
 
 def _at_reversal(sigma0: float, i: float) -> float:
     """Stiffness of Dahl's curve at a reversal, where w is 2, N m/rad."""
     rise: float = 2.0**i
     return sigma0 * rise
-
-
-def _check_transition(sigma0: float, i: float) -> None:
-    require(sigma0 > 0, "sigma0", sigma0, "> 0")
-    require(0 <= i <= 10, "i", i, "in [0, 10]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -247,14 +175,8 @@ class DahlParameters(_Rival):
         """Stiffness at a reversal of a symmetric joint, N m/rad."""
         return _at_reversal(self.sigma0, self.i)
 
-    def _check(self) -> None:
-        for side in _SIDES:
-            Fc, _, _, _, sigma2 = self._levels(side)
-            require(Fc > 0, f"Fc_{side}", Fc, "> 0 (a magnitude, also for negative motion)")
-            require(sigma2 >= 0, f"sigma2_{side}", sigma2, ">= 0")
-        _check_transition(self.sigma0, self.i)
-
-    def _levels(self, side: str) -> list[float]:
+    def levels(self, side: str) -> list[float]:
+        """The numbers of a direction; the law has no Stribeck effect."""
         Fc = getattr(self, f"Fc_{side}")
         return [Fc, Fc, 1.0, 1.0, getattr(self, f"sigma2_{side}")]
 
@@ -282,13 +204,9 @@ class DahlStribeckParameters(_Stribeck):
         """Stiffness at a reversal of a symmetric joint, N m/rad."""
         return _at_reversal(self.sigma0, self.i)
 
-    def _check(self) -> None:
-        super()._check()
-        _check_transition(self.sigma0, self.i)
-
 
 @dataclass(frozen=True, kw_only=True)
-class LuGreParameters(_Stribeck):
+class LuGreParameters(_Bristle):
     """LuGre (Canudas de Wit et al. 1995), ``law.lugre``.
 
     Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
@@ -298,26 +216,14 @@ class LuGreParameters(_Stribeck):
         sigma1: bristle damping, N m s/rad, >= 0.
     """
 
-    sigma0: float
     sigma1: float = 0.0
 
     law: ClassVar[str] = "lugre"
     number: ClassVar[int] = 5
-    own: ClassVar[tuple[str, ...]] = ("sigma0",)
-
-    @property
-    def stiffness(self) -> float:
-        """Presliding stiffness at zero torque, N m/rad."""
-        return self.sigma0
-
-    def _check(self) -> None:
-        super()._check()
-        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
-        require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
 
 
 @dataclass(frozen=True, kw_only=True)
-class ElastoplasticParameters(_Stribeck):
+class ElastoplasticParameters(_Bristle):
     """Elasto-plastic friction (Dupont et al. 2002), ``law.elastoplastic``.
 
     Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
@@ -329,24 +235,12 @@ class ElastoplasticParameters(_Stribeck):
             sigma0 zba = breakaway Fc.
     """
 
-    sigma0: float
     sigma1: float = 0.0
     breakaway: float = 0.7
 
     law: ClassVar[str] = "elastoplastic"
     number: ClassVar[int] = 6
     own: ClassVar[tuple[str, ...]] = ("sigma0", "breakaway")
-
-    @property
-    def stiffness(self) -> float:
-        """Presliding stiffness, N m/rad."""
-        return self.sigma0
-
-    def _check(self) -> None:
-        super()._check()
-        require(self.sigma0 > 0, "sigma0", self.sigma0, "> 0")
-        require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
-        require(0 <= self.breakaway <= 0.99, "breakaway", self.breakaway, "in [0, 0.99]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -376,19 +270,9 @@ class MaxwellSlipParameters(_Stribeck):
 
     def _check(self) -> None:
         super()._check()
-        require(self.C > 0, "C", self.C, "> 0")
-        require(self.sigma1 >= 0, "sigma1", self.sigma1, ">= 0")
-        try:
-            pairs = tuple(
-                (check_number("elements", k), check_number("elements", fraction))
-                for k, fraction in self.elements
-            )
-        except (TypeError, ValueError) as error:
-            if isinstance(error, ParameterError):
-                raise
-            raise ParameterError(
-                "elements must be pairs [k, fraction of the level], numbers, k in N m/rad"
-            ) from None
+        pairs = number_pairs(
+            "elements", self.elements, "[k, fraction of the level], numbers, k in N m/rad"
+        )
         most = MOST_ELEMENTS
         require(1 <= len(pairs) <= most, "number of elements", len(pairs), f"1 to {most}")
         for i, (k, fraction) in enumerate(pairs):
@@ -397,10 +281,6 @@ class MaxwellSlipParameters(_Stribeck):
         total = math.fsum(fraction for _, fraction in pairs)
         require(abs(total - 1) < 1e-9, "sum of the elements' fractions", total, "1")
         object.__setattr__(self, "elements", pairs)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values by field name, `law` first."""
-        return {**super().to_dict(), "elements": [list(pair) for pair in self.elements]}
 
     def _own(self) -> list[float]:
         return [self.C, float(len(self.elements)), *(x for pair in self.elements for x in pair)]
