@@ -23,11 +23,13 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import tomlkit
 from motor_sources import SOURCES, Presliding, Source
 
 from frictionjoint.effects.catalogue import title
+from frictionjoint.files import toml_document
 from frictionjoint.joint_friction import JointFriction
-from frictionjoint.motors.library import Motor, list_motors, motor_text
+from frictionjoint.motors.library import TEXTS, Motor, list_motors
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.numbers import (
     effect_estimates,
@@ -309,6 +311,23 @@ def with_presliding(motor: Motor, known: Presliding | None) -> Motor:
     kept = {key: x for key, x in motor.stderr.items() if key not in assumed}
     friction = replace(motor.friction, parameters=replace(law, sigma1=sigma1))
     return replace(motor, friction=friction, stderr=kept, remark=f"{motor.remark} {said}")
+
+
+def motor_text(motor: Motor) -> str:
+    """The file of a motor."""
+    document = tomlkit.document()
+    table = tomlkit.table()
+    for key in (*TEXTS, "unit"):
+        table.add(key, getattr(motor, key))
+    table.add("fit", motor.fit)
+    table.add("stderr", motor.stderr)
+    table.add("found", motor.found)
+    if motor.units:
+        table.add("units", motor.units)
+    document.add("motor", table)
+    friction = toml_document(motor.friction.parameters, motor.friction.effects)
+    document.add("friction", tomlkit.item(friction.unwrap()))
+    return tomlkit.dumps(document)
 
 
 def page(library: Sequence[Motor]) -> str:

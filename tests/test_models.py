@@ -31,6 +31,7 @@ JOINTS = {
     "fr3": [f"joint{i}" for i in range(1, 8)],
     "ur10e": [f"j{i}" for i in range(1, 7)],
     "am_d02": ["second", "third", "fourth", "fifth", "sixth", "sixthoutput", "seventh"],
+    "so101": ["Rotation", "Pitch", "Elbow", "Wrist_Pitch", "Wrist_Roll", "Jaw"],
     "go2": [
         f"{leg}_{x}_joint" for leg in ("FL", "FR", "RL", "RR") for x in ("hip", "thigh", "calf")
     ],
@@ -40,6 +41,7 @@ MASS |= {
     "ur10e": 28.7,
     "am_d02": 3.810741,
     "go2": 8.285408,
+    "so101": 0.497006,
     "fr3": 16.254813,
     "ak80_double_pendulum": 1.163726,
 }

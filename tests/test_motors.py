@@ -15,7 +15,7 @@ from frictionjoint.errors import FrictionJointError, ParameterError
 from frictionjoint.files import read_parameters, toml_text
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.motors.bam import MODELS, BamParameters, from_bam, read_bam, to_bam
-from frictionjoint.motors.library import get_motor, list_motors, motor_text
+from frictionjoint.motors.library import get_motor, list_motors
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.check import check_model
@@ -230,9 +230,7 @@ def test_the_list_names_them():
     assert "ur10_j1" in call().output
 
 
-def test_a_motor_is_written_as_it_is_read():
-    motor = get_motor("ur10_j3")
-    assert f'[friction]\nlaw = "{motor.friction.parameters.law}"' in motor_text(motor)
+def test_a_motor_that_is_not_there_is_said():
     with pytest.raises(
         ParameterError, match="no motor 'x': `frictionjoint motors list` names them"
     ):

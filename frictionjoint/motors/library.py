@@ -13,11 +13,10 @@ from importlib.resources.abc import Traversable
 from typing import Any
 
 import numpy as np
-import tomlkit
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ParameterError
-from frictionjoint.files import joint_friction, toml_document
+from frictionjoint.files import joint_friction
 from frictionjoint.joint_friction import JointFriction
 
 # what a file says of a motor, all of it text but the numbers of the fit
@@ -103,23 +102,6 @@ def friction_speed(motor: Motor, points: int = 9) -> tuple[Array, dict[str, Arra
     # a Stribeck velocity beyond 10 rad/s (m/s) is none
     speeds = np.geomspace(0.1, 20.0, points) * (Vs if 0.0 < Vs < 10.0 else 1.0)
     return speeds, {side: sliding_torque(motor.friction, speeds, side) for side in ("pos", "neg")}
-
-
-def motor_text(motor: Motor) -> str:
-    """The file of a motor, for the library."""
-    document = tomlkit.document()
-    table = tomlkit.table()
-    for key in (*TEXTS, "unit"):
-        table.add(key, getattr(motor, key))
-    table.add("fit", motor.fit)
-    table.add("stderr", motor.stderr)
-    table.add("found", motor.found)
-    if motor.units:
-        table.add("units", motor.units)
-    document.add("motor", table)
-    friction = toml_document(motor.friction.parameters, motor.friction.effects)
-    document.add("friction", tomlkit.item(friction.unwrap()))
-    return tomlkit.dumps(document)
 
 
 def _read(file: Traversable) -> Motor:
