@@ -33,19 +33,3 @@ def test_get_tells_where_the_logs_lie(name, measured_data):
     found = json.loads(run("get", name, "--json", data=measured_data).stdout)
     assert found["licence"]
     assert all(os.path.exists(log) for log in found["logs"])
-
-
-def test_altered_copy_is_refused(tmp_path):
-    (tmp_path / "emps").mkdir()
-    (tmp_path / "emps" / "DATA_EMPS.mat").write_bytes(b"something else")
-    done = run("get", "emps", data=tmp_path)
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert "not the published file" in done.stderr
-
-
-def test_unknown_name_is_refused_in_one_line(tmp_path):
-    done = run("get", "nothing", data=tmp_path)
-    assert done.returncode == 2
-    assert "emps, panda, xl330" in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1

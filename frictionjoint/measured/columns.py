@@ -10,7 +10,7 @@ current: a torque up to an unknown gain. A target without a drive needs a contro
 import difflib
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from frictionjoint.errors import LogError
 
@@ -88,13 +88,17 @@ def joint_of(source: str, table: dict[str, str], joint: str | None) -> str:
     joints = joints_in(table)
     if not joints:
         return joint or "joint"
+    return one_joint(source, joints, joint)
+
+
+def one_joint(source: str, joints: Sequence[str], joint: str | None) -> str:
+    """The requested joint of a log, or its only one; errors as `joint_of`."""
+    if joint is not None and joint in joints:
+        return joint
     if joint is None and len(joints) == 1:
         return joints[0]
-    if joint is None:
-        raise LogError(f"{source}: several joints, name one of {_list(joints)}")
-    if joint not in joints:
-        raise LogError(f"{source}: no joint {joint!r}, it has {_list(joints)}")
-    return joint
+    what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
+    raise LogError(f"{source}: {what} {_list(joints)}")
 
 
 def choose_signals(

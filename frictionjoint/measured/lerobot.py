@@ -20,6 +20,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import parquet
 from frictionjoint.measured.arrays import one_line
+from frictionjoint.measured.columns import one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 from frictionjoint.measured.units import check_units, unit_of
@@ -69,11 +70,7 @@ def read_lerobot(
     info = _info(path)
     positions, targets = _joints(path, info, _STATE), _joints(path, info, _ACTION)
     both = [name for name in positions if name in targets]
-    if joint is None and len(both) == 1:
-        joint = both[0]
-    if joint is None or joint not in both:
-        what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
-        raise LogError(f"{path.name}: {what} {', '.join(both)}")
+    joint = one_joint(path.name, both, joint)
     widths = {_STATE: len(positions), _ACTION: len(targets)}
     widths |= {x: len(positions) for x in _MORE if _width(info, x) == len(positions)}
     time, more = _episode(path, info, episode, widths)

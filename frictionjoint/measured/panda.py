@@ -11,6 +11,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
+from frictionjoint.measured.columns import one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 from frictionjoint.measured.validate import check_finite
@@ -30,12 +31,9 @@ def read_panda(folder: Path, joint: str | None) -> JointLog:
     Raises:
         LogError: an unknown joint, or a file is missing or corrupt.
     """
-    if joint not in JOINTS:
-        what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
-        raise LogError(f"{folder.name}: {what} {', '.join(JOINTS)}")
     parts = {name: _numbers(_file(folder, name), width) for name, width in _FILES.items()}
+    joint = one_joint(folder.name, JOINTS, joint)
     own = JOINTS.index(joint)
-
     quantities = {"position_rad": "positions", "velocity_rad_s": "velocity"}
     columns = {
         "time_s": parts["time"][:, 0].copy(),

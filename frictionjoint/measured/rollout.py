@@ -18,6 +18,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt
+from frictionjoint.measured.columns import one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 from frictionjoint.measured.torch_file import read_tensors
@@ -77,11 +78,7 @@ def read_rollout(
     """
     found = _read(path, columns)
     names = found.joints
-    if joint is None and len(names) == 1:
-        joint = names[0]
-    if joint is None or joint not in names:
-        what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
-        raise LogError(f"{path.name}: {what} {', '.join(names)}")
+    joint = one_joint(path.name, names, joint)
     own = names.index(joint)
     data = {"time_s": found.time} | {name: x[:, own] for name, x in found.of_joints.items()}
     for name in ("position_rad", "velocity_rad_s"):

@@ -21,7 +21,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt, part_of
-from frictionjoint.measured.columns import KNOWN
+from frictionjoint.measured.columns import KNOWN, one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
@@ -70,11 +70,7 @@ def read_rosbag(
             f"{', '.join(mapping)}"
         )
     samples = _by_joint(path, *topics)
-    if joint is None and len(samples) == 1:
-        joint = next(iter(samples))
-    if joint is None or joint not in samples:
-        what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
-        raise LogError(f"{path.name}: {what} {', '.join(sorted(samples))}")
+    joint = one_joint(path.name, sorted(samples), joint)
     own = samples.pop(joint)
     time = own[:, 0]
     names = (

@@ -14,6 +14,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import text_table
+from frictionjoint.measured.columns import one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
@@ -36,10 +37,7 @@ def read_tx40(folder: Path, joint: str | None) -> JointLog:
     Raises:
         LogError: an unknown joint, a missing file, or see `validate`.
     """
-    name = (joint or "").lower()
-    if name not in JOINTS:
-        what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
-        raise LogError(f"{folder.name}: {what} {', '.join(JOINTS)}")
+    name = one_joint(folder.name, JOINTS, joint and joint.lower())
     motor = _six(folder / _POSITIONS)
     current = _six(folder / _CURRENTS)
     if len(motor) != len(current):
