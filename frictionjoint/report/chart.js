@@ -63,7 +63,7 @@
       this.legend.replaceChildren();
       for (const s of this.spec.series) {
         const item = add(this.legend, "span", "");
-        add(item, "i", "", `${s.kind} ${s.colour}`);
+        add(item, "i", "", s.kind).style.background = `var(--${s.colour})`;
         item.append(s.name + " ");
         if (at !== null && this.ordered.includes(s)) add(item, "b", three(s.y[nearest(s.x, at)]));
       }
@@ -96,7 +96,7 @@
           for (let i = 0; i < s.x.length; i++) if (s.y[i] !== null) c.fillRect(X(s.x[i]) - 1, Y(s.y[i]) - 1, 2, 2);
           c.globalAlpha = 1;
         } else {
-          c.lineWidth = s.colour === "measured" ? 2.4 : 1.3; c.setLineDash(s.colour === "target" ? [3, 3] : []);
+          c.lineWidth = s.colour === "measured" ? 2.4 : 1.3; c.setLineDash(/target|law[1357]/.test(s.colour) ? [3, 3] : []);
           c.beginPath(); let pen = false;
           for (let i = 0; i < s.x.length; i++) {
             if (s.y[i] === null || s.x[i] === null) { pen = false; continue; }

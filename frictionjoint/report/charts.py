@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,10 @@ from frictionjoint.report.turning_points import turns
 from frictionjoint.report.wording import axis
 
 Kind = Literal["line", "points"]
-Colour = Literal["measured", "before", "after", "target"]
+# colours of the style sheet
+LawColour = Literal["law0", "law1", "law2", "law3", "law4", "law5", "law6", "law7"]
+Colour = Literal["measured", "before", "after", "target"] | LawColour
+LAW_COLOURS: tuple[LawColour, ...] = get_args(LawColour)
 
 # points of a line and of a cloud, so that a page stays small
 _LINE, _CLOUD = 3000, 2500

@@ -4,7 +4,6 @@ Every law is driven by `friction_torque`, so any law with a parameter file can b
 beyond the law depend on more than the joint's own motion; they are named, not drawn.
 """
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,8 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import title
@@ -22,19 +19,19 @@ from frictionjoint.files import read_report
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
+from frictionjoint.report.charts import LAW_COLOURS, Chart, Series, sliding
 from frictionjoint.report.html import fill
-from frictionjoint.report.picture import page_figure, svg
+from frictionjoint.report.picture import draw_charts, picture
 from frictionjoint.report.robot_summary import joint_content
 from frictionjoint.report.summary import summarise
 
 KINDS = (".html", ".png", ".svg")
 # Panels: what is drawn, with its axes.
 PANELS = (
-    ("sliding: torque against velocity", "velocity, rad/s", "torque, N m"),
-    ("presliding: torque against displacement", "displacement, rad", "torque, N m"),
-    ("breakaway: a slow pull from rest", "displacement, rad", "torque, N m"),
+    ("Sliding: torque against velocity", "velocity, rad/s", "torque, N m"),
+    ("Presliding: torque against displacement", "displacement in a loop, rad", "torque, N m"),
+    ("Breakaway: a slow pull from rest", "displacement of a slow pull, rad", "torque, N m"),
 )
-_COLOURS = ("#1b9e77", "#d95f02", "#7570b3", "#e7298a", "#66a61e", "#e6ab02", "#a6761d", "#666666")
 # A pull so slow and so long that every law in reach of a joint breaks away in it, rad and rad/s.
 _PULLED = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 4000)])
 _SLOW = 1e-9
@@ -101,8 +98,8 @@ def _one(
     lengths: list[float],
     fastest: float,
 ) -> Compared:
-    speed, sliding = _sliding(joint.parameters, fastest)
-    curves = [(speed, sliding)]
+    speed, torque = sliding(joint.parameters, fastest, 60)
+    curves = [(speed, torque)]
     figures: dict[str, float | str] = {
         "law": joint.parameters.law,
         "at rest": "sticks" if pull else "creeps",
@@ -118,12 +115,12 @@ def _one(
             "stiffness at rest, N m/rad": float(F[1] / _PULLED[1]),
             "work of one presliding loop, J": _loop_work(q, loop),
         }
-    least = int(np.argmin(sliding[speed > 0]))
+    least = int(np.argmin(torque[speed > 0]))
     figures |= {
-        "least sliding torque, N m": float(sliding[speed > 0][least]),
+        "least sliding torque, N m": float(torque[speed > 0][least]),
         "at velocity, rad/s": float(speed[speed > 0][least]),
-        f"torque at {fastest:.3g} rad/s, N m": float(sliding[-1]),
-        f"torque at -{fastest:.3g} rad/s, N m": float(sliding[0]),
+        f"torque at {fastest:.3g} rad/s, N m": float(torque[-1]),
+        f"torque at -{fastest:.3g} rad/s, N m": float(torque[0]),
         "effects, not drawn": ", ".join(title(e.effect.name) for e in joint.effects) or "none",
     }
     return Compared(name, tuple(curves), figures)
@@ -140,15 +137,6 @@ def _fastest(parameters: Friction) -> float:
     """Speed up to which sliding is drawn: ten Stribeck velocities, if the law has one."""
     own = [x for key, x in parameters.to_dict().items() if key.startswith("Vs")]
     return 10.0 * max(own) if own else 1.0
-
-
-def _sliding(parameters: Friction, fastest: float) -> tuple[Array, Array]:
-    """Steady torque at speeds of both signs."""
-    half = np.geomspace(1e-3 * fastest, fastest, 60)
-    speed = np.concatenate([-half[::-1], half])
-    q = np.concatenate([[0.0], np.geomspace(1e-9, 10.0, 1500)])
-    F = [friction_torque(parameters, q / abs(v), np.sign(v) * q)[-1] for v in speed]
-    return speed, np.array(F)
 
 
 def _reversals(parameters: Friction, amplitude: float) -> tuple[Array, Array]:
@@ -178,45 +166,25 @@ def _cell(value: float | str | None) -> str:
     return f"{value:.4g}" if isinstance(value, float) else value
 
 
-def draw(found: list[Compared], kind: str) -> str | bytes:
-    """The three panels as a page (.html) or a picture (.png, .svg)."""
-    return _page(found) if kind == ".html" else _picture(found, kind.removeprefix("."))
-
-
-def _page(found: list[Compared]) -> str:
-    panels = []
-    for k, panel in enumerate(PANELS):
-        made, axes = page_figure(5.0, 3.7)
-        _panel(axes, found, k)
-        panels.append((panel[0].capitalize(), svg(made, f"panel{k}")))
-    return fill(
-        "compare.html.j2",
-        {},
-        names=[x.name for x in found],
-        panels=panels,
-        figures=rows(found),
+def panels(found: list[Compared]) -> tuple[Chart, ...]:
+    """The curves of all parameter sets, one chart per motion."""
+    return tuple(
+        Chart(
+            *panel,
+            tuple(
+                Series(x.name, *x.curves[k], LAW_COLOURS[i % len(LAW_COLOURS)])
+                for i, x in enumerate(found)
+                if len(x.curves) > k
+            ),
+        )
+        for k, panel in enumerate(PANELS)
     )
 
 
-def _picture(found: list[Compared], kind: str) -> bytes:
-    made = Figure(figsize=(13, 4.2), layout="constrained")
-    for k, axes in enumerate(made.subplots(1, 3)):
-        _panel(axes, found, k)
-        axes.set_title(PANELS[k][0])
-        axes.ticklabel_format(axis="x", scilimits=(-2, 3))
-        axes.grid(alpha=0.3)
-    buffer = io.BytesIO()
-    made.savefig(buffer, format=kind, dpi=120)
-    return buffer.getvalue()
-
-
-def _panel(axes: Axes, found: list[Compared], k: int) -> None:
-    drawn = [x for x in zip(found, _COLOURS * len(found), strict=False) if len(x[0].curves) > k]
-    for i, (x, colour) in enumerate(drawn):
-        # dashes let equal curves be seen
-        line = "-" if i % 2 == 0 else "--"
-        axes.plot(*x.curves[k], line, color=colour, label=x.name, linewidth=1.6)
-    if drawn:
-        axes.legend(fontsize=8)
-    axes.set_xlabel(PANELS[k][1])
-    axes.set_ylabel(PANELS[k][2])
+def draw(found: list[Compared], kind: str) -> str | bytes:
+    """The three panels as a page (.html) or a picture (.png, .svg)."""
+    names = [x.name for x in found]
+    if kind != ".html":
+        title = f"friction laws: {', '.join(names)}"
+        return picture(draw_charts(panels(found), title), kind.removeprefix("."))
+    return fill("compare.html.j2", {}, names=names, panels=panels(found), figures=rows(found))

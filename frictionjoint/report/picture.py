@@ -17,6 +17,10 @@ from frictionjoint.report.joint_report import Report
 from frictionjoint.report.robot_report import RobotReport
 
 COLOURS = {"measured": "#8a8f94", "target": "#7570b3", "before": "#d95f02", "after": "#1b9e77"}
+_LAWS = "#1b9e77 #d95f02 #7570b3 #e7298a #66a61e #e6ab02 #a6761d #666666"
+COLOURS |= dict(zip(charts.LAW_COLOURS, _LAWS.split(), strict=True))
+# dashes let equal curves be seen
+_DASHED = charts.LAW_COLOURS[1::2]
 # stand for what the style sheet of a page decides
 _INK, _LINE = "#010203", "#040506"
 _STYLE: dict[Any, Any] = {
@@ -109,7 +113,7 @@ def draw_chart(axes: Axes, chart: charts.Chart) -> None:
             )
         else:
             width = 2.4 if s.colour == "measured" else 1.2
-            style = ":" if s.colour == "target" else "-"
+            style = ":" if s.colour == "target" else "--" if s.colour in _DASHED else "-"
             axes.plot(s.x, s.y, style, color=COLOURS[s.colour], label=s.name, linewidth=width)
     axes.set_xlabel(chart.x_label)
     axes.set_ylabel(chart.y_label)
@@ -133,11 +137,3 @@ def svg(figure: Figure, name: str) -> Markup:
     text = re.sub(r' width="[\d.]+pt"| height="[\d.]+pt"', "", text, count=2)
     text = _NUMBERED.sub("", text).replace(_INK, "var(--soft)").replace(_LINE, "var(--line)")
     return Markup(text)
-
-
-def page_figure(width: float, height: float) -> tuple[Figure, Axes]:
-    """An empty figure in a page's style; size in inches."""
-    with rc_context(PAGE_STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        axes = figure.subplots()
-    return figure, axes
