@@ -152,6 +152,8 @@ def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) 
     with attach(model) if attached else contextlib.nullcontext():
         for k, t in enumerate(motion.time):
             data.time = t
+            # a step below moves the other joints too
+            data.qpos[:], data.qvel[:], data.qacc[:] = model.qpos0, 0.0, 0.0
             for j, track in tracks.items():
                 data.qpos[model.jnt_qposadr[j]] = track[k, 0]
                 data.qvel[model.jnt_dofadr[j]] = track[k, 1]
