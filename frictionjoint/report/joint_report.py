@@ -1,7 +1,7 @@
 """Results of `close_loop` as plain data: the content of report.json and of the page."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 
 import numpy as np
@@ -19,6 +19,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refined_model import RefinedModel
 from frictionjoint.replay.loops import LoopErrors
+from frictionjoint.report.content import content_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,15 +44,6 @@ class LogEntry:
         """From a log."""
         return cls(log.name, len(log.time), log.duration, role)
 
-    def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
-        return {
-            "name": self.name,
-            "samples": self.samples,
-            "duration_s": self.duration_s,
-            "role": self.role,
-        }
-
 
 @dataclass(frozen=True)
 class Evidence:
@@ -66,16 +58,7 @@ class Evidence:
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json; ties are listed where there are any."""
-        found: dict[str, Any] = {
-            "held_out_gain": self.held_out_gain,
-            "p_value": self.p_value,
-            "selection_frequency": self.selection_frequency,
-            "runner_up": self.runner_up,
-            "margin": self.margin,
-        }
-        if self.ties:
-            found["ties"] = list(self.ties)
-        return found
+        return {name: x for name, x in asdict(self).items() if name != "ties" or x}
 
 
 @dataclass(frozen=True)
@@ -87,16 +70,6 @@ class Added:
     parameters: dict[str, Estimate]
     evidence: Evidence
     torque_rms: Rms
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
-        return {
-            "effect": self.effect,
-            "cause": self.cause,
-            "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
-            "evidence": self.evidence.to_dict(),
-            "torque_rms": self.torque_rms.to_dict(),
-        }
 
 
 @dataclass(frozen=True)
@@ -292,10 +265,7 @@ class Report:
         if not self.result_loops:
             return {}
         found = self.result_loops[which]
-        return {
-            "closed_loop_mae": found.mae.to_dict(),
-            "closed_loop_rms": found.rms.to_dict(),
-        }
+        return {"closed_loop_mae": found.mae, "closed_loop_rms": found.rms}
 
     def _repr_html_(self) -> str:
         from frictionjoint.report.notebook import report_html
@@ -305,29 +275,37 @@ class Report:
     def _refined(self) -> dict[str, Any]:
         """The refinement compared with the fit to torque."""
         assert self.refined is not None
+        found = self.refined.to_dict()
         if self.closed_loops is None:
-            return self.refined.to_dict()
+            return found
         balance = self.closed_loops[1]
-        return self.refined.to_dict() | {
-            "balance_closed_loop_mae": balance.mae.to_dict(),
-            "balance_closed_loop_rms": balance.rms.to_dict(),
+        return found | {
+            "balance_closed_loop_mae": balance.mae,
+            "balance_closed_loop_rms": balance.rms,
         }
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
+        found: dict[str, Any] = content_of(self._content())
+        return found
+
+    def _content(self) -> dict[str, Any]:
+        optional = {
+            "refined": self._refined() if self.refined else None,
+            "posterior": self.posterior,
+            "recordings": self.recordings,
+            "model": toml_document(*_both(self.carried)).unwrap() if self.carried else None,
+        }
         return {
             "schema": SCHEMA,
             "joint": self.joint,
             "units": {"torque": self.units[0], "position": self.units[1]},
-            "logs": [log.to_dict() for log in self.logs],
+            "logs": self.logs,
             "log_errors": self._log_errors(),
             "slide": self.slide,
             "drive": {
                 "source": "controller" if self.reconstructed else "measured",
-                "rms": {
-                    "before": self.drive_rms("before").to_dict(),
-                    "after": self.drive_rms("after").to_dict(),
-                },
+                "rms": {"before": self.drive_rms("before"), "after": self.drive_rms("after")},
             },
             "intervals": {
                 "torque_rms": _staged(self.torque_interval),
@@ -335,40 +313,34 @@ class Report:
             },
             "bandwidth_hz": self.bandwidth_hz,
             "at_rest": self._at_rest(),
-            "base": {
-                "law": self.laws[0].law,
-                "parameters": {name: x.to_dict() for name, x in self.base.items()},
-            },
+            "base": {"law": self.laws[0].law, "parameters": self.base},
             "before": {
-                "torque_rms": self.before_torque.to_dict(),
-                "replay_rms": self.before_replay.to_dict(),
+                "torque_rms": self.before_torque,
+                "replay_rms": self.before_replay,
                 **self._closed_loop(0),
             },
-            "added": [effect.to_dict() for effect in self.added],
+            "added": self.added,
             "after": {
                 "law": self.laws[1].law,
-                "parameters": {name: x.to_dict() for name, x in self.final.items()},
-                "torque_rms": self.after_torque.to_dict(),
-                "replay_rms": self.after_replay.to_dict(),
+                "parameters": self.final,
+                "torque_rms": self.after_torque,
+                "replay_rms": self.after_replay,
                 **self._closed_loop(1),
             },
-            **({"refined": self._refined()} if self.refined else {}),
-            **({"posterior": self.posterior.to_dict()} if self.posterior else {}),
-            **({"recordings": list(self.recordings)} if self.recordings else {}),
-            **({"model": toml_document(*_both(self.carried)).unwrap()} if self.carried else {}),
-            "thresholds": dict(self.thresholds),
-            "candidates": [look.to_dict() for look in self.rankings],
+            **{name: x for name, x in optional.items() if x},
+            "thresholds": self.thresholds,
+            "candidates": self.rankings,
             "noise_floor": self.noise_floor,
             "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
-            "proposals": list(self.proposals),
-            "notes": list(self.notes),
+            "proposals": self.proposals,
+            "notes": self.notes,
             "verdict": self.verdict,
         }
 
 
-def _staged(pair: Intervals | None) -> dict[str, list[float]] | None:
+def _staged(pair: Intervals | None) -> dict[str, tuple[float, float]] | None:
     """An interval before and one after, as in report.json."""
-    return {"before": list(pair[0]), "after": list(pair[1])} if pair else None
+    return {"before": pair[0], "after": pair[1]} if pair else None
 
 
 def _both(carried: JointFriction) -> tuple[Friction, tuple[SimulatedEffect, ...]]:

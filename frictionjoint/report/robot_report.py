@@ -9,6 +9,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rms import Rms
+from frictionjoint.report.content import content_of
 from frictionjoint.report.joint_report import Evidence, LogEntry, Report, Verdict
 
 if TYPE_CHECKING:
@@ -48,15 +49,10 @@ class Torsion:
             "geared": self.geared,
             "twist_rms": self.twist,
             "left_rms": self.left,
-            **{
-                name: None if x is None else x.to_dict()
-                for name, x in (
-                    ("stiffness", self.stiffness),
-                    ("backlash", self.backlash),
-                    ("hysteresis", self.hysteresis),
-                    ("link_position_older", self.older),
-                )
-            },
+            "stiffness": self.stiffness,
+            "backlash": self.backlash,
+            "hysteresis": self.hysteresis,
+            "link_position_older": self.older,
         }
 
 
@@ -156,14 +152,10 @@ class JointResult:
         found = self.report.to_dict()
         for key in ("schema", "joint", "logs"):
             del found[key]
-        found["base"] = {
-            "law": self.law,
-            "parameters": {name: x.to_dict() for name, x in self.base.items()},
-        }
-        found["before"] = {
-            "torque_rms": self.before_torque.to_dict(),
-            "replay_rms": self.before_replay.to_dict(),
-        }
+        found["base"] = content_of({"law": self.law, "parameters": self.base})
+        found["before"] = content_of(
+            {"torque_rms": self.before_torque, "replay_rms": self.before_replay}
+        )
         if self.shared_before:
             # errors before are those of the user's model, of which no interval is known
             for pair in found["intervals"].values():
@@ -178,7 +170,7 @@ class JointResult:
         }
         found["worse"] = list(self.worse)
         if self.torsion:
-            found["torsion"] = self.torsion.to_dict()
+            found["torsion"] = content_of(self.torsion.to_dict())
         return found
 
 
@@ -199,19 +191,13 @@ class SharedCause:
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json."""
-        return {
-            "cause": self.cause,
-            **self.place,
-            "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
-            "evidence": self.evidence.to_dict(),
-            "joints": {
-                name: {
-                    "before": {"torque_rms": before.to_dict()},
-                    "after": {"torque_rms": after.to_dict()},
-                }
-                for name, (before, after) in self.joints.items()
-            },
+        errors = {
+            name: {"before": {"torque_rms": before}, "after": {"torque_rms": after}}
+            for name, (before, after) in self.joints.items()
         }
+        own = {"parameters": self.parameters, "evidence": self.evidence, "joints": errors}
+        found: dict[str, Any] = content_of({"cause": self.cause} | self.place | own)
+        return found
 
 
 @dataclass(frozen=True)
@@ -283,19 +269,20 @@ class RobotReport:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
-        return {
-            "schema": SCHEMA,
-            "logs": [log.to_dict() for log in self.logs],
-            "joints": {name: result.to_dict() for name, result in self.joints.items()},
-            "failed": self.failed,
-            "shared": [cause.to_dict() for cause in self.shared],
-            "before": self.before.to_dict(),
-            "after": self.after.to_dict(),
-            "undetermined": list(self.undetermined),
-            "proposals": [self.excitation.text] if self.excitation else [],
-            "notes": list(self.notes),
-            "verdict": self.verdict,
-        }
+        names = [
+            "logs",
+            "joints",
+            "failed",
+            "shared",
+            "before",
+            "after",
+            "undetermined",
+            "notes",
+            "verdict",
+        ]
+        found: dict[str, Any] = content_of({name: getattr(self, name) for name in names})
+        proposals = [self.excitation.text] if self.excitation else []
+        return {"schema": SCHEMA, **found, "proposals": proposals}
 
 
 def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:

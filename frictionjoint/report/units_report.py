@@ -7,6 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import root_mean_square
 from frictionjoint.identify.result import Estimate
+from frictionjoint.report.content import content_of
 from frictionjoint.report.robot_report import RobotReport
 
 SCHEMA = "frictionjoint/units-1"
@@ -54,7 +55,7 @@ class Spread:
             "mean": self.mean,
             "deviation": self.deviation,
             "standard_error": self.error,
-            "units": {name: x.to_dict() for name, x in self.of_unit.items()},
+            "units": content_of(self.of_unit),
         }
 
 
@@ -90,7 +91,7 @@ class UnitsReport:
         """The content of report.json."""
         return {
             "schema": SCHEMA,
-            "units": {name: report.to_dict() for name, report in self.units.items()},
+            "units": content_of(self.units),
             "failed": self.failed,
-            "spread": [row.to_dict() for row in self.spreads],
+            "spread": content_of(self.spreads),
         }

@@ -1,0 +1,22 @@
+"""Results as the plain data of report.json."""
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+
+def content_of(result: Any) -> Any:
+    """A result as tables, lists, numbers and texts.
+
+    What has a `to_dict` decides itself; other dataclasses become tables of their fields.
+    """
+    if hasattr(result, "to_dict"):
+        return content_of(result.to_dict())
+    if dataclasses.is_dataclass(result):
+        names = [field.name for field in dataclasses.fields(result)]
+        return {name: content_of(getattr(result, name)) for name in names}
+    if isinstance(result, Mapping):
+        return {name: content_of(x) for name, x in result.items()}
+    if isinstance(result, list | tuple):
+        return [content_of(x) for x in result]
+    return result
