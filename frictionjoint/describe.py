@@ -1,5 +1,6 @@
 """Friction of a joint in words and units, for people: `inspect`, comments in models, reports."""
 
+from frictionjoint.effects.catalogue import EVERY
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameter_meanings import SIDES, Value, meaning, spelled, unit_of
@@ -45,6 +46,18 @@ def effect_texts(joint: JointFriction, slide: bool = False) -> tuple[str, ...]:
         )
         found.append(f"{effect.title or effect.name}: {', '.join(numbers)}")
     return tuple(found)
+
+
+def effect_value(effect: str, number: str, value: float, slide: bool = False) -> tuple[str, str]:
+    """What a number of an effect is, and its value with its unit, by their names in a report."""
+    units = {
+        name: unit
+        for e in EVERY
+        if e.name == effect
+        for name, unit in zip((*e.coefficients, *e.shape), (*e.units, *e.shape_units), strict=True)
+    }
+    unit = spelled(units.get(number, "1"), slide)
+    return quantity_of(effect, number), Value(number, "", value, unit).text
 
 
 def one_line(name: str, joint: JointFriction, slide: bool = False) -> str:

@@ -52,7 +52,8 @@ app = typer.Typer(
         "Each command's `--help` has examples; `--json` prints results for a script. "
         "No log yet? `frictionjoint data list` names public ones.\n\n"
         "Exit codes: 0 done; 2 bad input or wrong usage, one line on stderr, nothing written; "
-        "130 interrupted; 143 terminated; 1 an error of this program."
+        "130 interrupted; 143 terminated; 1 an error of this program, of `drift` a number that has "
+        "changed, of `check --strict` a finding."
     ),
 )
 

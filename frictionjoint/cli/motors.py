@@ -92,7 +92,7 @@ def show_command(
 
     Example: `frictionjoint motors show ur10_j1`
     """
-    from frictionjoint.describe import law_values
+    from frictionjoint.describe import effect_value, law_values
     from frictionjoint.effects.catalogue import title
     from frictionjoint.motors.library import friction_speed, get_motor
 
@@ -120,7 +120,8 @@ def show_command(
         table.add_row(x.meaning, x.symbol, x.text, "-" if error is None else f"{error:.2g}")
     for effect, found in motor.found.items():
         for key, value in found.items():
-            table.add_row(title(effect), key, f"{value:.4g}", "-")
+            quantity, text = effect_value(effect, key, value, motor.unit == "N")
+            table.add_row(f"{title(effect)}: {quantity}", key, text, "-")
     console().print(table)
     speed_unit = "m/s" if motor.unit == "N" else "rad/s"
     table = Table(f"speed, {speed_unit}", f"positive, {motor.unit}", f"negative, {motor.unit}")

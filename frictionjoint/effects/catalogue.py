@@ -1,8 +1,8 @@
 """All effects that the search knows; among equals the first one is preferred.
 
-`SIMULATED` lists the effects that a model can contain, one more than `CATALOGUE`. Effects of the
-drive act on the controller output and have no kernel in the joint: they are searched for when the
-drive is reconstructed from target and position.
+`SIMULATED` lists the effects that a model can contain, one more than `CATALOGUE`, and `EVERY` those
+of the drive too. These act on the controller output and have no kernel in the joint: they are
+searched for when the drive is reconstructed from target and position.
 """
 
 import copyreg
@@ -90,20 +90,20 @@ def title(name: str) -> str:
     An effect without a title is called by its canonical name, with spaces instead of dashes.
     """
     own, of, place = name.partition(" of ")
-    plain = next((e.title for e in _ALL if e.name == own and e.title), "")
+    plain = next((e.title for e in EVERY if e.name == own and e.title), "")
     return (plain or own.replace("-", " ")) + of + place
 
 
-_ALL = (*SIMULATED, *DRIVE_EFFECTS)
+EVERY = (*SIMULATED, *DRIVE_EFFECTS)
 
 
 def _numbered(number: int) -> Effect:
-    return _ALL[number]
+    return EVERY[number]
 
 
 def _reduced(effect: Effect) -> Any:
     """Pickle an effect by its index in the catalogue; other processes then get the same object."""
-    number = next((i for i, known in enumerate(_ALL) if known is effect), None)
+    number = next((i for i, known in enumerate(EVERY) if known is effect), None)
     return object.__reduce_ex__(effect, 2) if number is None else (_numbered, (number,))
 
 

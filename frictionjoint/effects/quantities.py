@@ -55,6 +55,7 @@ _OF_EFFECT = {
     ("frictional-lag", "Vs"): "Stribeck velocity",
     ("load-dependent", "c"): "friction per unit of load",
     ("load-dependent", "cs"): "additional friction at low speed per unit of load",
+    ("motor", "gain"): "torque per unit of the drive",
     ("motor-saturation", "s"): "coefficient of the cubed torque",
     ("motor-temperature", "a"): "relative change of torque per kelvin",
     ("nonlinear-viscous", "c"): "coefficient",

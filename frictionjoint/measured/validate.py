@@ -122,7 +122,7 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
         kind = "slow for friction" if median > _STEP_S[1] else "fast for a joint"
         raise LogError(
             f"{source}, time_s: {median:g} s between samples is too {kind}: "
-            "give seconds (milliseconds, nanoseconds?)"
+            "give seconds, or the unit of the log, --unit time=ms (us, ns)"
         )
 
 
