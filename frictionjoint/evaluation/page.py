@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from frictionjoint.evaluation.run import Evaluation, JointCurves, JointEvaluation
-from frictionjoint.report.charts import Chart, Series
+from frictionjoint.evaluation.run import Evaluation, JointEvaluation
+from frictionjoint.report.charts import Chart, cloud, over_time
 from frictionjoint.report.html import fill
 
 
@@ -21,33 +21,15 @@ def figures(x: float | None, unit: str = "") -> str:
 def _charts(joint: JointEvaluation) -> list[Chart]:
     """Plots of a joint: torque of the worst log, error of all logs over velocity, closed loop."""
     worst = max(joint.curves, key=lambda c: float(np.sum(c.torque_error**2)))
-    every = _every(worst)
-    time = worst.time[::every]
-    torque = Chart(
-        title="torque",
-        x_label="time, s",
-        y_label=f"torque, {joint.unit}",
-        series=(
-            Series(f"acted, {worst.log}", time, worst.drive[::every], "measured"),
-            Series("needed by the model", time, worst.needed[::every], "after"),
-        ),
-    )
-    error = Chart(
-        title="error",
-        x_label=f"velocity, {joint.position_unit}/s",
-        y_label=f"needed - acted, {joint.unit}",
-        series=tuple(
-            Series(
-                c.log,
-                c.velocity[c.known][:: _every(c)],
-                c.torque_error[:: _every(c)],
-                "after",
-                "points",
-            )
-            for c in joint.curves
-        ),
-    )
-    return [torque, error, *_loop(joint)]
+    acted = over_time(f"acted, {worst.log}", worst.time, worst.drive, "measured")
+    needed = over_time("needed by the model", worst.time, worst.needed, "after")
+    errors = tuple(cloud(c.log, c.velocity[c.known], c.torque_error, "after") for c in joint.curves)
+    velocity = f"velocity, {joint.position_unit}/s"
+    return [
+        Chart("torque", "time, s", f"torque, {joint.unit}", (acted, needed)),
+        Chart("error", velocity, f"needed - acted, {joint.unit}", errors),
+        *_loop(joint),
+    ]
 
 
 def _loop(joint: JointEvaluation) -> list[Chart]:
@@ -56,21 +38,8 @@ def _loop(joint: JointEvaluation) -> list[Chart]:
     if not runs:
         return []
     worst, simulated = max(runs, key=lambda run: float(np.mean(np.abs(run[1] - run[0].position))))
-    every = _every(worst)
-    time = worst.time[::every]
-    return [
-        Chart(
-            title="closed loop",
-            x_label="time, s",
-            y_label=f"position, {joint.position_unit}",
-            series=(
-                Series(f"measured, {worst.log}", time, worst.position[::every], "measured"),
-                Series("simulated", time, simulated[::every], "after"),
-            ),
-        )
-    ]
-
-
-def _every(curves: JointCurves) -> int:
-    # at most 4000 samples per curve
-    return max(1, len(curves.time) // 4000)
+    curves = (
+        over_time(f"measured, {worst.log}", worst.time, worst.position, "measured"),
+        over_time("simulated", worst.time, simulated, "after"),
+    )
+    return [Chart("closed loop", "time, s", f"position, {joint.position_unit}", curves)]

@@ -168,12 +168,11 @@ def friction_speed(report: Report) -> Chart:
     F = np.concatenate([(c.measured - c.after + c.friction)[c.in_motion] for c in moving])
     fastest = float(np.abs(v).max()) if len(v) else 1.0
     speeds, law = sliding(report.laws[1], fastest)
-    v, F = thinned(_CLOUD, v, F)
     return Chart(
         "Friction against speed",
         axis("velocity", report.slide),
         f"friction, {report.units[0]}",
-        (Series("data", v, F, "measured", "points"), Series("law, sliding", speeds, law, "after")),
+        (cloud("data", v, F, "measured"), Series("law, sliding", speeds, law, "after")),
     )
 
 
@@ -239,8 +238,7 @@ def _against(report: Report, quantity: str) -> Chart:
     for stage, colour in stages:
         e = np.concatenate([c.measured - getattr(c, stage) for c in curves])[on]
         label = stage if report.changed else "friction law"
-        thin_x, thin_e = thinned(_CLOUD // 2, x, e)
-        series.append(Series(label, thin_x, thin_e, colour, "points"))
+        series.append(cloud(label, x, e, colour, _CLOUD // 2))
         series.append(Series(f"{label}, mean", *_running_mean(x, e), colour))
     label = axis(quantity, report.slide)
     return Chart(f"Error against {label.partition(',')[0]}", label, report.units[0], tuple(series))
@@ -276,6 +274,12 @@ def over_time(name: str, t: Array, y: Array, colour: Colour, most: int = _LINE) 
         # a gap in the samples is no line
         y[1:][step > 2.5 * np.median(step)] = np.nan
     return Series(name, t, y, colour)
+
+
+def cloud(name: str, x: Array, y: Array, colour: Colour, most: int = _CLOUD) -> Series:
+    """Points, at most so many."""
+    x, y = thinned(most, x, y)
+    return Series(name, x, y, colour, "points")
 
 
 def thinned(most: int, *columns: Array) -> tuple[NDArray[np.float64], ...]:

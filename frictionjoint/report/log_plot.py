@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionjoint.measured.log import JointLog
-from frictionjoint.report.charts import Chart, Series, over_time, thinned
+from frictionjoint.report.charts import Chart, cloud, over_time
 
 # pages draw this many points of a log
 _POINTS = 4000
@@ -35,9 +35,8 @@ def log_charts(log: JointLog) -> tuple[Chart, ...]:
         if log.velocity is not None:
             against.insert(0, ("velocity", log.velocity, f"velocity, {x}/s"))
         for other, values, axis in against:
-            a, b = thinned(_POINTS, values, drive)
-            cloud = Series("measured", a, b, "after", "points")
-            found.append(Chart(f"{name.capitalize()} against {other}", axis, label, (cloud,)))
+            points = cloud("measured", values, drive, "after", _POINTS)
+            found.append(Chart(f"{name.capitalize()} against {other}", axis, label, (points,)))
     if log.temperature is not None:
         line = over_time("measured", time, log.temperature, "before", _POINTS)
         found.append(Chart("Temperature", "time, s", "temperature, °C", (line,), log.name))

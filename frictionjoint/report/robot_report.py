@@ -170,7 +170,7 @@ class JointResult:
         }
         found["worse"] = list(self.worse)
         if self.torsion:
-            found["torsion"] = content_of(self.torsion.to_dict())
+            found["torsion"] = content_of(self.torsion)
         return found
 
 
@@ -196,8 +196,7 @@ class SharedCause:
             for name, (before, after) in self.joints.items()
         }
         own = {"parameters": self.parameters, "evidence": self.evidence, "joints": errors}
-        found: dict[str, Any] = content_of({"cause": self.cause} | self.place | own)
-        return found
+        return {"cause": self.cause} | self.place | own
 
 
 @dataclass(frozen=True)
@@ -269,20 +268,11 @@ class RobotReport:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
-        names = [
-            "logs",
-            "joints",
-            "failed",
-            "shared",
-            "before",
-            "after",
-            "undetermined",
-            "notes",
-            "verdict",
-        ]
+        names = ("logs", "joints", "failed", "shared", "before", "after", "undetermined")
         found: dict[str, Any] = content_of({name: getattr(self, name) for name in names})
         proposals = [self.excitation.text] if self.excitation else []
-        return {"schema": SCHEMA, **found, "proposals": proposals}
+        end = {"proposals": proposals, "notes": list(self.notes), "verdict": self.verdict}
+        return {"schema": SCHEMA, **found, **end}
 
 
 def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:
