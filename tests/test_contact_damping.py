@@ -64,7 +64,11 @@ def test_a_law_is_freed_where_that_leaves_clearly_less(monkeypatch, left):
 
 
 @pytest.mark.parametrize(
-    "law", [forms_of("lugre")[0], replace(INTEGRATED[0], damped=True).by_direction()]
+    "law",
+    [
+        forms_of("lugre")[0],
+        replace(INTEGRATED[0].with_sharp_sliding()[0], damped=True).by_direction(),
+    ],
 )
 def test_a_law_that_is_free_or_never_is_stays_as_it_is(law):
     fitted = SimpleNamespace(shape=law)

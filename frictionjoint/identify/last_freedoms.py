@@ -1,9 +1,11 @@
-"""Optional parameters of a law that are decided last: contact damping, one curve per direction.
+"""Options of a law that are decided last: sharp sliding, contact damping, a curve per direction.
 
-While effects are searched for, the law must not have these parameters, because they would absorb
-missing effects. The filter of the torque balance removes most of the contact damping sigma1. With a
-soft transition curve, sigma1 resembles viscous friction for a while after each reversal. Stribeck
-curves that differ by direction resemble an asymmetry of the friction.
+A contact with sharp sliding follows its transition curve until it slides, as elements that stick
+and slip do; the large exponent takes long, so no search has it. While effects are searched for, the
+law must not have the other two, because they would absorb missing effects. The filter of the torque
+balance removes most of the contact damping sigma1. With a soft transition curve, sigma1 resembles
+viscous friction for a while after each reversal. Stribeck curves that differ by direction resemble
+an asymmetry of the friction.
 """
 
 from dataclasses import replace
@@ -17,15 +19,30 @@ from frictionjoint.identify.shape import INTEGRATED, IntegratedShape
 
 
 def with_last_freedoms(prepared: Prepared, fitted: Fit) -> Fit:
-    """Add each of these parameters to the law if it clearly reduces the residual."""
+    """Use each of these options if it clearly reduces the residual."""
+    fitted = _with_sharp_sliding(prepared, fitted)
     for free in (IntegratedShape.with_damping, IntegratedShape.by_direction):
         shape = fitted.shape
         if not isinstance(shape, IntegratedShape) or free(shape) == shape:
             continue
         found = refit(prepared, fitted.effects, free(shape))
-        if found.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms:
+        if _clearly_better(found, fitted):
             fitted = _best_form(prepared, found)
     return fitted
+
+
+def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:
+    shape = fitted.shape
+    if not isinstance(shape, IntegratedShape) or shape.sharp:
+        return fitted
+    # a narrow and a wide Stribeck curve are local minima of their own
+    found = [refit(prepared, fitted.effects, start) for start in shape.with_sharp_sliding()]
+    best: Fit = best_of(found, lambda f: f.drive_rms)
+    return best if _clearly_better(best, fitted) else fitted
+
+
+def _clearly_better(found: Fit, fitted: Fit) -> bool:
+    return found.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms
 
 
 def _best_form(prepared: Prepared, fitted: Fit) -> Fit:

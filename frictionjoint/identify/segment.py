@@ -131,12 +131,13 @@ class Segment:
 
     @cached_property
     def gear(self) -> Array:
-        """Torque that the gear transmits in the band of the balance, N m, shape (n,).
+        """Torque that the gear transmits, N m, shape (n,), in twice the band of the balance.
 
-        It is filtered because effects use its magnitude, and noise in the acceleration would bias
-        the magnitude upwards.
+        Effects use its magnitude. Noise of the acceleration would bias that upwards, and in the
+        band of the balance alone it would miss what the torque does within a quick stop.
         """
-        return self.smooth(self.signals[:, GEAR])
+        both = _lowpass(len(self.drive), self.dt, 2.0 * self.bandwidth_hz, 1)
+        return both(self.signals[:, GEAR])
 
     def lowpass(self, x: Array) -> Array:
         """A signal filtered along axis 0 and decimated, as in the balance."""

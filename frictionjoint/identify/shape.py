@@ -126,6 +126,7 @@ class Form:
 # Exponents with closed-form steps: a log hardly distinguishes those in between, and they cost more
 # times faster.
 _EXPONENTS = (1.0, 2.0, 4.0)
+_SHARP = 12.0
 
 
 @dataclass(frozen=True)
@@ -221,6 +222,17 @@ class IntegratedShape:
     def last_choices(self) -> list[Self]:
         """Variants of the first loading of a joint that never moved."""
         return [replace(self, form=replace(self.form, virgin=x)) for x in get_args(Virgin)]
+
+    def with_sharp_sliding(self) -> list[Self]:
+        """This shape with an exponent above those of a search; with the present Stribeck curve, and
+        with a wide one of half the height."""
+        sharp = replace(self, form=replace(self.form, n=_SHARP))
+        return [sharp, replace(sharp, excess=0.5 * self.excess, Vs=2.0 * self.Vs, delta=2.0)]
+
+    @property
+    def sharp(self) -> bool:
+        """Whether sliding begins sharply, see `with_sharp_sliding`."""
+        return self.form.n == _SHARP
 
     def with_damping(self) -> Self:
         """This shape with the presliding damping sigma1."""
