@@ -71,28 +71,3 @@ def test_logs_together_are_what_they_are_alone(name, threads, logs, monkeypatch)
             np.testing.assert_allclose(y[first:end], target, rtol=0, atol=1e-12 * np.abs(y).max())
             its = alone.moves(law, moved, beta)
             np.testing.assert_allclose(moves[first:end], its, rtol=0, atol=1e-9 * np.abs(its).max())
-
-
-def test_a_law_is_asked_as_often_for_many_logs_as_for_one(logs, monkeypatch):
-    """To ask for what is done to a short log takes longer than to do it."""
-    monkeypatch.setattr(workers, "_allowed", 1)
-    law = type(INTEGRATED[0])
-    asked = []
-    own = law.hysteresis
-    monkeypatch.setattr(law, "hysteresis", lambda *given: asked.append(len(given)) or own(*given))
-    counts = []
-    for some in (replace(logs), logs.subset([0])):  # which remember nothing yet
-        one, x = search(some, (), INTEGRATED[0])
-        asked.clear()
-        one.residual(x)
-        counts.append(len(asked))
-    # along the motion, and from rest to what was held
-    assert counts == [2, 2]
-
-
-@pytest.mark.parametrize("parts", [1, 2, 3, 9])
-def test_parts_are_all_logs_in_turn(parts, logs):
-    found = logs.bundles(parts)
-    assert len(found) <= parts
-    assert [s.name for part in found for s in part.logs] == [s.name for s in logs.segments]
-    assert found is logs.bundles(parts)

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 import frictionjoint as fj
 from frictionjoint.effects import nonlinear_viscous
 from frictionjoint.joint_friction import SimulatedEffect
-from frictionjoint.motors.library import list_motors
 from tests.standing import (
     LINKAGE,
     law,
@@ -159,34 +158,6 @@ def test_what_stands_on_friction_falls_asleep_and_wakes_as_it_was():
         assert (data.qvel != 0.0).any(), "it does not wake"
         mujoco.mj_step(model, data, 500)
     assert abs(high - data.qpos[2]) < 1e-4
-
-
-@pytest.mark.parametrize(
-    "motor",
-    [m for m in list_motors() if m.friction.parameters.law == "static"],
-    ids=lambda motor: motor.name,
-)
-def test_motors_of_the_static_law_rest_under_load(motor):
-    parameters = motor.friction.parameters
-    t = np.linspace(0.0, 20.0, 2001)
-    level = float(np.asarray(fj.friction_torque(parameters, t, 0.01 * t))[-1])
-    spec = mujoco.MjSpec.from_string(one_joint(0.5))
-    fj.install(spec, {"j": parameters})
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    data.qfrc_applied[0] = 0.4 * level
-    with fj.attach(model):
-        mujoco.mj_step(model, data, 5000)
-        held = data.qpos[0]
-        mujoco.mj_step(model, data, 5000)
-        read = fj.torque(model, data)["j"]
-        assert abs(data.qpos[0] - held) < 1e-9
-        assert read.sticks
-        assert read.total == pytest.approx(0.4 * level)
-        data.qfrc_applied[0] = 3.0 * parameters.Fs_pos
-        mujoco.mj_step(model, data, 1000)
-        assert not fj.torque(model, data)["j"].sticks
-    assert data.qvel[0] > 0.01
 
 
 trees = {

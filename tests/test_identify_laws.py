@@ -7,7 +7,7 @@ import pytest
 from command_line import run
 from law_shapes import law_at
 from test_cli import LOG, MODEL
-from test_plants import quiet
+from trial_logs import quiet
 
 from frictionjoint import friction_torque
 from frictionjoint.errors import ParameterError

@@ -161,20 +161,6 @@ def test_what_would_not_load_where_it_is_to_lie_leaves_nothing(home):
         assert not (home / "new").exists()
 
 
-@pytest.mark.parametrize("out", ["robot/arm/arm.xml", "robot/arm/parts/more.xml", "link.xml"])
-def test_the_source_is_overwritten_by_force_alone(out, home):
-    (home / "link.xml").symlink_to(home / "robot" / "arm" / "arm.xml")
-    before = (home / out).read_text()
-    done = install(home, "--joint", "a=f.toml", "--out", out)
-    assert done.returncode == 2
-    assert "--force" in done.stderr
-    assert (home / out).read_text() == before
-    if out != "robot/arm/arm.xml":
-        return
-    assert install(home, "--joint", "a=f.toml", "--out", out, "--force").returncode == 0
-    assert list(read_friction(fj.load_model(home / out))) == ["a"]
-
-
 def test_native_friction_is_named_by_install_attach_and_check(home):
     done = install(home, "--all", "f.toml", "--out", "with.xml")
     assert done.returncode == 0

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
-from test_plants import quiet
+from trial_logs import quiet
 
 from frictionjoint.diagnose import motions
 from frictionjoint.diagnose.motions import (

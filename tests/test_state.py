@@ -154,18 +154,6 @@ def test_native_and_python_callbacks_agree():
     np.testing.assert_allclose(native, python, rtol=0, atol=1e-12 * FRICTION.Fs_pos)
 
 
-def test_inverse_dynamics_returns_the_friction():
-    m = model()
-    with fj.attach(m):
-        data = mujoco.MjData(m)
-        run(m, data, 137)
-        push(data)
-        mujoco.mj_forward(m, data)
-        mujoco.mj_inverse(m, data)
-        np.testing.assert_allclose(data.qfrc_inverse, data.qfrc_applied, atol=1e-9)
-    assert np.abs(data.qfrc_passive).min() > 1e-3
-
-
 def test_previous_callback_returns_also_after_an_exception():
     def mine(m, d):
         pass
@@ -193,28 +181,6 @@ def test_two_models_attached_at_once_and_one_without_friction():
             np.testing.assert_array_equal(run(m, mujoco.MjData(m), 100), alone)
             assert np.abs(run(other, mujoco.MjData(other), 50) - free).max() > 1e-6
         np.testing.assert_array_equal(run(m, mujoco.MjData(m), 100), alone)
-
-
-def test_attached_models_may_be_left_in_any_order():
-    mujoco.set_mjcb_passive(None)
-    first, second = model(), model()
-    outer, inner = fj.attach(first), fj.attach(second)
-    outer.__enter__()
-    inner.__enter__()
-    alone = run(second, mujoco.MjData(second), 100)
-    outer.__exit__(None, None, None)
-    np.testing.assert_array_equal(run(second, mujoco.MjData(second), 100), alone)
-    inner.__exit__(None, None, None)
-    assert mujoco.get_mjcb_passive() is None
-    with fj.attach(first), fj.attach(second):
-        pass
-    assert mujoco.get_mjcb_passive() is None
-
-
-def test_second_attach_of_one_model_is_refused():
-    m = model()
-    with fj.attach(m), pytest.raises(ModelError, match="attached already"), fj.attach(m):
-        pass
 
 
 def test_a_model_that_is_never_called_back_is_refused():

@@ -109,18 +109,6 @@ def test_effects_are_read_one_by_one():
     assert read.total == pytest.approx(acted(m, data), rel=1e-12)
 
 
-def test_both_backends_leave_the_same_to_read():
-    effects = [SimulatedEffect(torque_bias.EFFECT, (), (0.25,))]
-    m, read = model(effects=effects), []
-    for backend in ("native", "python"):
-        with fj.attach(m, backend):
-            read.append(fj.torque(m, list(pushed(m, 100))[-1])["j"])
-    native, python = map(dataclasses.asdict, read)
-    assert native["effects"] == python["effects"]
-    for key in ("total", "hysteresis", "damping", "viscous"):
-        assert native[key] == pytest.approx(python[key], rel=1e-12)
-
-
 @pytest.mark.parametrize("armature", [1.0, 1e-4])
 def test_after_a_step_it_is_what_acted_over_that_step(armature):
     m = model(armature=armature, knots=((1e-5, 1.5), (1e-4, 3.2)))

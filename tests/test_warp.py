@@ -10,7 +10,6 @@ from acting import acting
 import frictionjoint as fj
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
-from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import N_MAX, N_MIN
 from frictionjoint.rivals import (
@@ -406,24 +405,6 @@ def test_the_place_friction_counts_does_not_part_from_the_one_shown():
         place = friction.state.numpy()[0, warp_kernel.PLACE]
     apart = abs(place - d.qpos.numpy()[0, 0])
     assert 10 * spacing < apart < 0.5 * spacing / warp_kernel.PULL
-
-
-EFFECTS = {
-    "position-periodic": ((5.0,), (0.2, 0.1)),
-    "load-dependent": ((1e-4,), (0.1,)),
-    "gravity-error": ((), (0.05, 0.02)),
-    "dwell-time": ((0.01, 1e-3, 1e-2), (0.5,)),
-}
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-def test_effects_act_as_with_the_native_callback(name):
-    effect = next(e for e in CATALOGUE if e.name == name)
-    carried = {"a": [SimulatedEffect(effect, *EFFECTS[name])]}
-    mjm = arm(effects=carried)
-    there, without = native(mjm, 300), native(arm(), 300)
-    assert np.abs(there - without).max() > 1e-3
-    np.testing.assert_allclose(run(mjm, 300)[:, 0], there, rtol=0, atol=1e-5)
 
 
 # many worlds, and the rule that commits

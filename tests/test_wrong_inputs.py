@@ -135,7 +135,7 @@ CASES = {
     "position in degrees": wrong("not degrees", log=scaled(position_rad=57.3)),
     "position beyond the range": wrong("1.5", "degrees?", log=scaled(position_rad=57.3),
                                        model=RANGE.replace("-1.5 1.5", "-0.75 0.75")),
-    "time in milliseconds": wrong("time_s", "milliseconds", log=scaled(time_s=1e3)),
+    "time in milliseconds": wrong("time_s", "--unit time=ms", log=scaled(time_s=1e3)),
     "velocity in degrees": wrong(
         "times as fast", "units", log=with_column("velocity_rad_s", 57.3 * np.gradient(
             table()["position_rad"], DT))
@@ -203,6 +203,14 @@ CASES = {
         [*ROWS[:8], "0.014,nan,1", *ROWS[9:]])),
     "a word": wrong("row 9, torque_nm", "'off'", log="\n".join(
         [*ROWS[:8], "0.014,0.1,off", *ROWS[9:]])),
+    "an empty cell": wrong("row 9, position_rad", "empty", log="\n".join(
+        [*ROWS[:8], "0.014,,1", *ROWS[9:]])),
+    "an infinite number": wrong("row 9, torque_nm", "inf", log="\n".join(
+        [*ROWS[:8], "0.014,0.1,inf", *ROWS[9:]])),
+    "a column twice": wrong("'position_rad' appears twice", log="\n".join(
+        ["time_s,position_rad,position_rad,torque_nm", *(f"{row},1" for row in ROWS[1:])])),
+    "a force of a hinge": wrong("force_n and position_rad exclude each other",
+                                log=with_column("force_n", noise())),
     "a row cut short": wrong("row 9: 2 cells", log="\n".join(
         [*ROWS[:8], "0.014,0.1", *ROWS[9:]])),
     "an empty file": wrong("empty", "header", log=""),
@@ -380,7 +388,9 @@ def test_other_public_functions_name_wrong_types_too() -> None:
 
 
 def test_a_log_made_in_python_is_in_seconds_too() -> None:
-    with pytest.raises(FrictionJointError, match=r"2 s between samples is too slow.*milliseconds"):
+    with pytest.raises(
+        FrictionJointError, match=r"2 s between samples is too slow.*--unit time=ms"
+    ):
         fj.close_loop([replace(LOG, time=1e3 * LOG.time)], PENDULUM, "elbow")
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / name) for name in ("lab", "tests")]
+sys.path[:0] = [str(ROOT / name) for name in ("lab", "scripts", "tests")]
 # packages of plants have one name everywhere, which numba's cache of them holds
 sys.path.append(str(ROOT))
 

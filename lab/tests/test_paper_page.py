@@ -8,7 +8,7 @@ from pathlib import Path
 import paper_figures
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 ONLY = ["--only", "reversal"]
 

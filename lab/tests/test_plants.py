@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from trial_logs import quiet
 
 from tests.plants import catalogue
 from tests.plants.draw import TIES, draw_trial
@@ -26,7 +27,7 @@ from tests.plants.plant import (
     write,
 )
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 CANONICAL = {
     "position-periodic", "load-dependent", "temperature-dependent", "warm-up-drift",
@@ -34,18 +35,6 @@ CANONICAL = {
     "spring", "joint-elasticity", "backlash", "measurement-delay", "torque-gain", "back-emf",
     "frictional-lag", "dwell-time", "end-stop",
 }  # fmt: skip
-
-
-def quiet(*effects: Effect, **changes: object) -> PlantSpec:
-    """A plant with next to no friction and a perfect instrument: torque is the rigid body's."""
-    spec = PlantSpec(
-        mass=1.0, length=0.2, inertia=0.06, armature=0.02,
-        friction=Friction("gms", Fs=2e-6, Fc=1e-6, sigma2=0.0, presliding=1e-2),
-        controller=Controller(kp=60.0, kd=3.0),
-        motions=(Motion("multisine", 3, 0.8, 2.0, 3.0),),
-        instrument=Instrument(rate=1000.0, counts=0), seed=1, effects=effects,
-    )  # fmt: skip
-    return replace(spec, **changes)
 
 
 def rough(*effects: Effect, **changes: object) -> PlantSpec:

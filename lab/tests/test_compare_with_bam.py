@@ -15,7 +15,7 @@ from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
 
 _SPEC = importlib.util.spec_from_file_location(
-    "compare_with_bam", Path(__file__).parents[1] / "lab" / "compare_with_bam.py"
+    "compare_with_bam", Path(__file__).parents[2] / "lab" / "compare_with_bam.py"
 )
 compare = importlib.util.module_from_spec(_SPEC)
 sys.modules["compare_with_bam"] = compare  # its dataclass looks itself up

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-SCRIPT = Path(__file__).resolve().parents[1] / "lab" / "trials.py"
+SCRIPT = Path(__file__).resolve().parents[2] / "lab" / "trials.py"
 MODEL = (
     '<mujoco><worldbody><body><joint name="joint1"/><inertial mass="1" pos="0 0 0" '
     'diaginertia="1 1 1"/></body></worldbody></mujoco>'
