@@ -4,10 +4,16 @@ import mujoco
 import numpy as np
 import pytest
 
+import frictionjoint as fj
 from frictionjoint import close_loop, uninstall
-from frictionjoint.identify.base_fit import base_fit, shortest, with_assumed_stiffness
+from frictionjoint.identify.base_fit import (
+    base_fit,
+    shortest,
+    with_assumed_damping,
+    with_assumed_stiffness,
+)
 from frictionjoint.identify.intervals import stated_covariance
-from frictionjoint.identify.notes import stiffness_note
+from frictionjoint.identify.notes import assumed_note
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -18,7 +24,7 @@ JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" ax
 <inertial mass="1" pos="0 0 0" diaginertia="0.05 0.05 0.05"/></body></worldbody></mujoco>"""
 
 
-def log(stiffness: float, seed: int = 1) -> JointLog:
+def log(stiffness: float, seed: int = 1, noise: float = 2e-3) -> JointLog:
     """A bristle of a stiffness along sines, read by an encoder."""
     t = DT * np.arange(N)
     q = 0.5 * np.sin(2.0 * np.pi * 0.3 * t + seed) + 0.2 * np.sin(2.0 * np.pi * 0.8 * t)
@@ -27,16 +33,16 @@ def log(stiffness: float, seed: int = 1) -> JointLog:
     for k in range(N):
         held = np.clip(held + stiffness * (q[k] - q[k - 1] if k else 0.0), -LEVEL, LEVEL)
         friction[k] = held
-    noise = 2e-3 * np.random.default_rng(seed).standard_normal(N)
+    hidden = noise * np.random.default_rng(seed).standard_normal(N)
     read = COUNT * np.round(q / COUNT)
     return JointLog(
-        name=f"{seed}", joint="j", time=t, position=read, torque=0.05 * a + friction + noise
+        name=f"{seed}", joint="j", time=t, position=read, torque=0.05 * a + friction + hidden
     )
 
 
-def fitted(stiffness: float):
+def fitted(stiffness: float, noise: float = 2e-3):
     body = RigidBody(JOINT, "j")
-    prepared, found = base_fit(prepare([log(stiffness)], body), "integrated")
+    prepared, found = base_fit(prepare([log(stiffness, noise=noise)], body), "integrated")
     return prepared, with_assumed_stiffness(prepared, found, stated_covariance)
 
 
@@ -73,7 +79,7 @@ def test_without_a_coulomb_level_no_stiffness_is_assumed_and_the_joint_does_not_
     found = with_assumed_stiffness(prepared, found, stated_covariance)
     assert not found.has_level
     assert not found.shape.assumed
-    (said,) = stiffness_note(found, False)
+    (said,) = assumed_note(found, False)
     assert "no Coulomb friction" in said
 
 
@@ -91,3 +97,30 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
     assert {k: x.value for k, x in report.base.items()} == pytest.approx(
         {k: x.value for k, x in own.items()}, rel=1e-6
     )
+
+
+def test_a_joint_with_a_soft_stiffness_comes_to_rest_under_load_by_an_assumed_damping():
+    prepared, undamped = fitted(300.0, noise=0.1)
+    found = with_assumed_damping(prepared, undamped)
+    assert found.rms == pytest.approx(undamped.rms, rel=0.011)
+    damping = law_estimates(found, stated_covariance(prepared, found), False)["sigma1"]
+    assert damping.stderr is None
+    (said,) = assumed_note(found, False)
+    assert "damping is assumed" in said
+    assert moves_at_rest(undamped) > 1e-7
+    assert moves_at_rest(found) < 1e-9
+
+
+def moves_at_rest(found) -> float:
+    """Movement from 10 to 15 s after a load within the friction was put on, rad."""
+    spec = mujoco.MjSpec.from_string(JOINT)
+    fj.install(spec, {"j": law_parameters(found)})
+    model = spec.compile()
+    data, places = mujoco.MjData(model), []
+    with fj.attach(model):
+        data.qfrc_applied[0] = 0.4 * LEVEL
+        while data.time < 15.0:
+            mujoco.mj_step(model, data)
+            if data.time > 10.0:
+                places.append(data.qpos[0])
+    return float(np.ptp(places))

@@ -7,7 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from frictionjoint import close_loop
+from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
+from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import start_of
 from frictionjoint.measured.log import JointLog
 from frictionjoint.rivals import StaticParameters
@@ -50,6 +53,19 @@ def test_native_friction_is_found_with_its_size_and_nothing_else(noise):
     # of the constraint's lead half a step of the simulation is lost
     assert lead == pytest.approx(1e3 * (LEAD - 0.5e-3), abs=0.3)
     assert report.after_torque.held_out < 0.01 * LOSS
+
+
+def test_friction_with_another_lead_than_a_simulation_is_not_taken_for_one():
+    t = 1e-3 * np.arange(15000)
+    q = 0.5 * np.sin(2.0 * np.pi * 0.31 * t) + 0.2 * np.sin(2.0 * np.pi * 0.7 * t + 1.0)
+    v = np.gradient(q, t)
+    a = np.gradient(v, t)
+    friction = LOSS * np.clip((v + 0.4 * LEAD * a) / 0.02, -1.0, 1.0) + DAMPING * v
+    load = 0.06 * a + 9.81 * 0.2 * np.sin(q)
+    noise = 0.005 * np.random.default_rng(0).standard_normal(len(t))
+    log = JointLog(name="led", joint="j", time=t, position=q, torque=load + friction + noise)
+    _, found = base_fit(prepare([log], RigidBody(BELIEVED, "j")), "integrated")
+    assert not isinstance(found.shape, ConstraintShape)
 
 
 def of_numbers(*numbers, lead=LEAD):

@@ -9,7 +9,7 @@ from frictionjoint.effects.signals import Q
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import SURE
-from frictionjoint.identify.notes import inertia_note, stiffness_note
+from frictionjoint.identify.notes import assumed_note, inertia_note
 from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.timing import Timing
 
@@ -53,7 +53,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *inertia_note(found.prepared, found.final),
         *(() if load_shows else (NO_LOAD,)),
         *found.hints,
-        *stiffness_note(found.final, found.prepared.slide),
+        *assumed_note(found.final, found.prepared.slide),
         *_constraint_note(found),
         *timing_note(found.final, cov),
         *_rest_note(found),

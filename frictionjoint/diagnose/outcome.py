@@ -16,7 +16,7 @@ from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.diagnose.unnamed import quantities_alike
-from frictionjoint.identify.base_fit import with_assumed_stiffness
+from frictionjoint.identify.base_fit import with_assumptions
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
 from frictionjoint.identify.intervals import stated_covariance
@@ -78,7 +78,7 @@ def finish_search(
     prepared, base = alone
     base = _finished(prepared, base)
     if findings or not_given:
-        state.fit = with_assumed_stiffness(state.prepared, state.fit, stated_covariance)
+        state.fit = with_assumptions(state.prepared, state.fit, stated_covariance)
     else:
         state.prepared, state.fit = prepared, base
     return Trace(
@@ -101,8 +101,8 @@ def _alike_hint(one: str, other: str) -> str:
 
 
 def _finished(prepared: Prepared, fitted: Fit) -> Fit:
-    """The law alone, with assumed stiffness and damping decided."""
-    return with_assumed_stiffness(prepared, with_last_freedoms(prepared, fitted), stated_covariance)
+    """The law alone, with stiffness and damping decided."""
+    return with_assumptions(prepared, with_last_freedoms(prepared, fitted), stated_covariance)
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:

@@ -1,19 +1,20 @@
 """Fit of the law alone: the result of `identify`, and the start and reference of `close-loop`."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.effects.signals import A
+from frictionjoint.effects.signals import A, parts_of_load
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import law_estimates
+from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rival_shape import forms_of, start_of
 from frictionjoint.identify.rounding import in_order
-from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.search import ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.starts import law_alone, ripened
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import reweighed
@@ -45,11 +46,26 @@ def base_fit(
 
 
 def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[Prepared, Fit]:
-    """A fit, or the best of other forms of its law if its residual is clearly smaller."""
-    clear = [f for f in forms if f.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms]
+    """A fit, or the best of other forms of its law if its residual is clearly smaller.
+
+    A constraint whose lead ends where no simulation's does is not one: it replaces other dynamics.
+    """
+    clear = [
+        f
+        for f in forms
+        if f.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms
+        and not (isinstance(f.shape, ConstraintShape) and f.shape.at_an_end)
+    ]
     if not clear:
         return prepared, fitted
     return reweighed(prepared, in_order(clear, lambda f: f.drive_rms)[0])
+
+
+def with_assumptions(
+    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
+) -> Fit:
+    """The same fit with the stiffness and damping assumed that the logs do not determine."""
+    return with_assumed_damping(prepared, with_assumed_stiffness(prepared, fitted, covariance))
 
 
 def with_assumed_stiffness(
@@ -77,6 +93,35 @@ def with_assumed_stiffness(
         return fitted
     found = refit(prepared, fitted.effects, shape, ROUGH)
     return found if found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY) else fitted
+
+
+def with_assumed_damping(prepared: Prepared, fitted: Fit) -> Fit:
+    """The same fit with an assumed damping sigma1, if the stuck joint would ring.
+
+    A law with a soft presliding stiffness and no damping lets the joint oscillate at rest without
+    end, because its first segment is elastic. The assumed value damps the joint critically, or
+    half as much, or half of that and so on, until the logs allow it. A stiffness that is assumed
+    needs none, because the time step damps it.
+    """
+    shape = fitted.shape
+    if not isinstance(shape, IntegratedShape) or shape.assumed or not fitted.has_level:
+        return fitted
+    if shape.damped and fitted.coefficient("sigma1") > 0.0:
+        return fitted
+    level, viscosity = fitted.levels
+    inertia = max(float(parts_of_load(s.signals[s.mask])[0]) for s in prepared.segments)
+    critical = 2.0 * math.sqrt(law_parameters(fitted).stiffness * max(inertia, 0.0))
+    # a hundredth of the critical damping still brings a joint to rest within a hundred periods
+    for part in (0.5**k for k in range(8)):
+        wanted = part * critical - viscosity
+        if wanted <= 0.0:
+            break
+        search = Search(prepared, fitted.terms, replace(shape, damping=wanted / level))
+        found = search.result(search.start)
+        # a residual that grows by 1% shows nothing
+        if found.drive_rms <= 1.01 * fitted.drive_rms:
+            return found
+    return fitted
 
 
 def _holds(fitted: Fit) -> bool:

@@ -42,6 +42,13 @@ class ConstraintShape:
     damped = False
     steps = True
     assumed = True
+    damping = 0.0
+
+    @property
+    def at_an_end(self) -> bool:
+        """Whether the lead is none that a simulation has: other dynamics are taken for it."""
+        margin = 0.01 * self.lead
+        return self.lead < _LEADS[0] + margin or self.lead > _LEADS[1] - margin
 
     def vector(self) -> Array:
         """See `Shape`."""

@@ -39,13 +39,18 @@ def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
     )
 
 
-def stiffness_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
-    """Note that the stiffness is assumed, or that the law has no Coulomb friction."""
+def assumed_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
+    """Note on an assumed stiffness or damping, or that the law has no Coulomb friction."""
     if not fitted.has_level:
         return (
             "These logs show no Coulomb friction: its fitted value is zero. So the model does "
             "not hold the joint at rest. Record "
             "slow constant velocities in both directions, where viscous friction is small.",
+        )
+    if fitted.shape.damping:
+        return (
+            "The presliding damping is assumed: these logs do not determine it, and without any "
+            "the joint would ring at rest. It is critical, or as much as the logs allow.",
         )
     if not fitted.shape.assumed:
         return ()

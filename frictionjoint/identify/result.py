@@ -120,11 +120,12 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     found = {}
     for name, value in values.items():
         symbol = name.partition("_")[0]
-        if symbol in ("sigma1", "sigma2") and symbol not in fitted.names:
+        fixed = symbol in ("sigma1", "sigma2") and symbol not in fitted.names
+        if fixed and not value:
             continue
         on = list(gradients[name])
         by_column = {at[i]: gradients[name][i] * scale[i] for i in on}
-        assumed = symbol == "stiffness" and fitted.shape.assumed
+        assumed = fixed or (symbol == "stiffness" and fitted.shape.assumed)
         unknown = not on or assumed or (flat and symbol in ("Vs", "delta"))
         if "T" in UNITS[symbol]:
             by_column |= _of_gain(fitted, value)

@@ -69,6 +69,7 @@ class RivalShape:
     least_rate: float = 0.1
 
     steps = assumed = False
+    damping = 0.0
 
     @property
     def variables(self) -> tuple[str, ...]:

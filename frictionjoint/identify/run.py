@@ -9,7 +9,7 @@ from frictionjoint.control.controller import unknown_notes
 from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.files import toml_text, toml_text_without_scale
-from frictionjoint.identify.base_fit import base_fit, with_assumed_stiffness
+from frictionjoint.identify.base_fit import base_fit, with_assumptions
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.gate import check as check_balance
@@ -17,7 +17,7 @@ from frictionjoint.identify.gate import check_fit, scale_is_determined
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
-from frictionjoint.identify.notes import inertia_note, other_drive_note, stiffness_note
+from frictionjoint.identify.notes import assumed_note, inertia_note, other_drive_note
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     Estimate,
@@ -112,7 +112,7 @@ def identify_law(
     check_balance(prepared)
     prepared, fitted = base_fit(prepared, law, progress)
     fitted = with_last_freedoms(prepared, fitted)
-    fitted = with_assumed_stiffness(prepared, fitted, stated_covariance)
+    fitted = with_assumptions(prepared, fitted, stated_covariance)
     check_fit(prepared, fitted)
     if not scale_is_determined(prepared, fitted):
         fitted = without_scale(fitted)
@@ -129,6 +129,6 @@ def identify_law(
             *scale_note(fitted, body.slide),
             *inertia_note(prepared, fitted),
             *other_drive_note(prepared),
-            *stiffness_note(fitted, body.slide),
+            *assumed_note(fitted, body.slide),
         ),
     )

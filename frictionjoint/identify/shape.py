@@ -40,6 +40,10 @@ class Shape(Protocol):
     def assumed(self) -> bool:
         """Whether the stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
 
+    @property
+    def damping(self) -> float:
+        """sigma1 over Fc that is assumed, s/rad, see `base_fit.with_assumed_damping`."""
+
     def with_assumed_stiffness(self, reach: float) -> Self:
         """This shape with an assumed stiffness, which is not searched.
 
@@ -142,7 +146,7 @@ class IntegratedShape:
             in (0, 1]; (1, 1) is a straight transition curve.
         form: what a search cannot vary smoothly.
         negative: excess and Vs of negative motion; None: as of positive motion.
-        damped, assumed: see `Shape`.
+        damped, assumed, damping: see `Shape`.
     """
 
     excess: float
@@ -154,6 +158,7 @@ class IntegratedShape:
     negative: tuple[float, float] | None = None
     damped: bool = False
     assumed: bool = False
+    damping: float = 0.0
 
     steps = False
 
@@ -248,6 +253,7 @@ class IntegratedShape:
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""
+        sigma1 += Fc * self.damping
         excess, Vs = self.negative or (self.excess, self.Vs)
         Fs_pos, Fs_neg = Fc * (1.0 + self.excess), Fc * (1.0 + excess)
         return FrictionParameters(
@@ -283,6 +289,8 @@ class IntegratedShape:
         """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_integrated(unit_block(self), time, q, edges_of(q, edges), H, rate)
+        if self.damping:
+            H += self.damping * rate * _speed(time, q, edges)
         return H, rate
 
     def tangents(
@@ -290,7 +298,12 @@ class IntegratedShape:
     ) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         P = unit_block(self)
-        return driven_with_tangents("integrated", P, self._block_tangents(P), time, q, edges)
+        own = self._block_tangents(P)
+        H, rate, dH, drate = driven_with_tangents("integrated", P, own, time, q, edges)
+        if self.damping:
+            per_rate = self.damping * _speed(time, q, edges)
+            H, dH = H + per_rate * rate, dH + per_rate * drate
+        return H, rate, dH, drate
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
@@ -315,6 +328,14 @@ class IntegratedShape:
             steeper = np.where(beyond > 0.0, K, 0.0)
             rows[name][own] = np.column_stack([-beyond, 0.0 * F, steeper]).ravel()
         return np.array([rows[name] for name in self.variables])
+
+
+def _speed(time: Array, q: Array, edges: Index | None) -> Array:
+    """Mean velocity since the sample before, zero at the start of each motion, shape (n,)."""
+    v = np.zeros_like(q)
+    v[1:] = np.diff(q) / np.diff(time)
+    v[edges_of(q, edges)[:-1]] = 0.0
+    return v
 
 
 # least and largest bend that a search begins with: beyond, none can move

@@ -143,9 +143,10 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
 def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     """Write the assumptions into the model as text; the text of an earlier fit is replaced."""
     remove_assumed(spec, joint)
-    if fitted.shape.assumed:
+    if fitted.shape.assumed or fitted.shape.damping:
+        what = "stiffness" if fitted.shape.assumed else "damping"
         text = spec.add_text()
-        text.name, text.data = f"{ASSUMED}{joint}", "the stiffness before sliding is assumed"
+        text.name, text.data = f"{ASSUMED}{joint}", f"the {what} before sliding is assumed"
 
 
 def replayed_whole(

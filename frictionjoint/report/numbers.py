@@ -119,7 +119,7 @@ def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
     if symbol == "Fs" and stribeck in law and status_of(stribeck, law) == "not determined":
         return "not determined"
     if x.stderr is None or not math.isfinite(x.stderr):
-        if symbol == "stiffness":
+        if symbol in ("stiffness", "sigma1"):
             return "assumed"
         return "not determined" if symbol in ("Vs", "delta", "Fs") else "fixed"
     return "not determined" if x.stderr > LOOSE * abs(x.value) else "determined"
