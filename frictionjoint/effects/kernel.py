@@ -34,37 +34,6 @@ from frictionjoint.effects import (
 
 MEMORY = 3
 
-_bias = torque_bias.torque
-_gravity = gravity_error.torque
-_gravity_along = gravity_error.centred_torque
-_inertia = inertia_error.torque
-_spring = spring.torque
-_asymmetry = direction_asymmetry.torque
-_asymmetry_reached = direction_asymmetry.reached_torque
-_viscous = nonlinear_viscous.torque
-_load = load_dependent.torque
-_load_coulomb = load_dependent.coulomb_torque
-_load_stribeck = load_dependent.stribeck_torque
-_temperature = temperature_dependent.torque
-_temperature_apart = temperature_dependent.apart_torque
-_warm_up = warm_up_drift.torque
-_warmed = warm_up_drift.warmed_torque
-_emf = back_emf.torque
-_periodic = position_periodic.torque
-_periodic_level = position_periodic.level_torque
-_gain = torque_gain.torque
-_delay = measurement_delay.torque
-_upper_stop = end_stop.upper_torque
-_lower_stop = end_stop.lower_torque
-_both_stops = end_stop.both_torque
-_lag = frictional_lag.torque
-_dwell = dwell_time.torque
-_backlash = backlash.torque
-_saturation = motor_saturation.torque
-_motor_temperature = motor_temperature.torque
-_motor_side = joint_elasticity.torque
-_heating = heating.torque
-
 
 @compiled
 def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -74,65 +43,65 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
     15 belonged to effects that no longer exist.
     """
     if effect_id == 1:
-        return _bias(P, e, sig, X, x)
+        return torque_bias.torque(P, e, sig, X, x)
     if effect_id == 2:
-        return _gravity(P, e, sig, X, x)
+        return gravity_error.torque(P, e, sig, X, x)
     if effect_id == 3:
-        return _inertia(P, e, sig, X, x)
+        return inertia_error.torque(P, e, sig, X, x)
     if effect_id == 4:
-        return _spring(P, e, sig, X, x)
+        return spring.torque(P, e, sig, X, x)
     if effect_id == 5:
-        return _asymmetry(P, e, sig, X, x)
+        return direction_asymmetry.torque(P, e, sig, X, x)
     if effect_id == 6:
-        return _viscous(P, e, sig, X, x)
+        return nonlinear_viscous.torque(P, e, sig, X, x)
     if effect_id == 7:
-        return _load(P, e, sig, X, x)
+        return load_dependent.torque(P, e, sig, X, x)
     if effect_id == 9:
-        return _warm_up(P, e, sig, X, x)
+        return warm_up_drift.torque(P, e, sig, X, x)
     if effect_id == 10:
-        return _emf(P, e, sig, X, x)
+        return back_emf.torque(P, e, sig, X, x)
     if effect_id == 11:
-        return _periodic(P, e, sig, X, x)
+        return position_periodic.torque(P, e, sig, X, x)
     if effect_id == 12:
-        return _periodic_level(P, e, sig, X, x)
+        return position_periodic.level_torque(P, e, sig, X, x)
     if effect_id == 13:
-        return _gain(P, e, sig, X, x)
+        return torque_gain.torque(P, e, sig, X, x)
     if effect_id == 14:
-        return _delay(P, e, sig, X, x)
+        return measurement_delay.torque(P, e, sig, X, x)
     if effect_id == 16:
-        return _upper_stop(P, e, sig, X, x)
+        return end_stop.upper_torque(P, e, sig, X, x)
     if effect_id == 17:
-        return _lag(P, e, sig, X, x)
+        return frictional_lag.torque(P, e, sig, X, x)
     if effect_id == 18:
-        return _dwell(P, e, sig, X, x)
+        return dwell_time.torque(P, e, sig, X, x)
     if effect_id == 19:
-        return _backlash(P, e, sig, X, x)
+        return backlash.torque(P, e, sig, X, x)
     if effect_id == 20:
-        return _motor_side(P, e, sig, X, x)
+        return joint_elasticity.torque(P, e, sig, X, x)
     if effect_id == 21:
-        return _warmed(P, e, sig, X, x)
+        return warm_up_drift.warmed_torque(P, e, sig, X, x)
     if effect_id == 22:
-        return _load_coulomb(P, e, sig, X, x)
+        return load_dependent.coulomb_torque(P, e, sig, X, x)
     if effect_id == 23:
-        return _asymmetry_reached(P, e, sig, X, x)
+        return direction_asymmetry.reached_torque(P, e, sig, X, x)
     if effect_id == 24:
-        return _lower_stop(P, e, sig, X, x)
+        return end_stop.lower_torque(P, e, sig, X, x)
     if effect_id == 25:
-        return _load_stribeck(P, e, sig, X, x)
+        return load_dependent.stribeck_torque(P, e, sig, X, x)
     if effect_id == 26:
-        return _saturation(P, e, sig, X, x)
+        return motor_saturation.torque(P, e, sig, X, x)
     if effect_id == 27:
-        return _temperature(P, e, sig, X, x)
+        return temperature_dependent.torque(P, e, sig, X, x)
     if effect_id == 28:
-        return _heating(P, e, sig, X, x)
+        return heating.torque(P, e, sig, X, x)
     if effect_id == 29:
-        return _temperature_apart(P, e, sig, X, x)
+        return temperature_dependent.apart_torque(P, e, sig, X, x)
     if effect_id == 30:
-        return _motor_temperature(P, e, sig, X, x)
+        return motor_temperature.torque(P, e, sig, X, x)
     if effect_id == 31:
-        return _gravity_along(P, e, sig, X, x)
+        return gravity_error.centred_torque(P, e, sig, X, x)
     if effect_id == 32:
-        return _both_stops(P, e, sig, X, x)
+        return end_stop.both_torque(P, e, sig, X, x)
     return np.nan
 
 

@@ -26,7 +26,7 @@ _SCALARS = {
     "uint64_t": ctypes.c_uint64,
     "char": ctypes.c_char,
 }
-MODEL_FIELDS = (
+_MODEL_FIELDS = [
     "nv",
     "nnumeric",
     "nuserdata",
@@ -48,8 +48,17 @@ MODEL_FIELDS = (
     "actuator_biasprm",
     "actuator_ctrllimited",
     "actuator_ctrlrange",
-)
-DATA_FIELDS = (
+]
+_OPTION_FIELDS = [
+    "timestep",
+    "integrator",
+    "solver",
+    "noslip_iterations",
+    "disableflags",
+    "disableactuator",
+    "gravity",
+]
+_DATA_FIELDS = [
     "time",
     "qpos",
     "qvel",
@@ -67,14 +76,19 @@ DATA_FIELDS = (
     "nefc",
     "efc_AR",
     "efc_AR_rownnz",
-)
-# where an actuator need not have a control, and may have several outputs
-NEW_MODEL_FIELDS = ("nactuator", "actuator_ctrladr", "actuator_ctrlnum", "actuator_outadr")
-# from MuJoCo 3.11 on
-NEW_DATA_FIELDS = ("efc_Y", "efc_Y_rownnz")
-# until then: the mass matrix in a second format too, copies of it and of its factors by island
-OLD_MODEL_FIELDS = ("dof_Madr",)
-OLD_DATA_FIELDS = (
+]
+# what only some versions have: actuators that need not have one control and one output; from MuJoCo
+# 3.11 on efc_Y; until then the mass matrix in a second format, and copies by island
+_SOME_MODEL_FIELDS = [
+    "nactuator",
+    "actuator_ctrladr",
+    "actuator_ctrlnum",
+    "actuator_outadr",
+    "dof_Madr",
+]
+_SOME_DATA_FIELDS = [
+    "efc_Y",
+    "efc_Y_rownnz",
     "qM",
     "iM",
     "iLD",
@@ -84,7 +98,9 @@ OLD_DATA_FIELDS = (
     "iM_rowadr",
     "map_idof2dof",
     "nidof",
-)
+]
+MODEL_NAMES = (*_MODEL_FIELDS, *_OPTION_FIELDS, *_SOME_MODEL_FIELDS)
+DATA_NAMES = (*_DATA_FIELDS, *_SOME_DATA_FIELDS)
 
 
 class LayoutMismatchError(RuntimeError):
@@ -147,23 +163,17 @@ def offsets() -> tuple[dict[str, int], dict[str, int]]:
     """
     model_type = model_structure()
     data_type = data_structure()
-    model = {name: getattr(model_type, name).offset for name in MODEL_FIELDS}
-    data = {name: getattr(data_type, name).offset for name in DATA_FIELDS}
-    model |= _where(model_type, (*NEW_MODEL_FIELDS, *OLD_MODEL_FIELDS))
-    data |= _where(data_type, (*NEW_DATA_FIELDS, *OLD_DATA_FIELDS))
+    model = {name: getattr(model_type, name).offset for name in _MODEL_FIELDS}
+    data = {name: getattr(data_type, name).offset for name in _DATA_FIELDS}
+    model |= _where(model_type, _SOME_MODEL_FIELDS)
+    data |= _where(data_type, _SOME_DATA_FIELDS)
     option = _structure(structs.STRUCTS["mjOption"].fields)
-    model["gravity"] = model["opt"] + option.gravity.offset
-    model["timestep"] = model["opt"] + option.timestep.offset
-    model["integrator"] = model["opt"] + option.integrator.offset
-    model["solver"] = model["opt"] + option.solver.offset
-    model["noslip_iterations"] = model["opt"] + option.noslip_iterations.offset
-    model["disableflags"] = model["opt"] + option.disableflags.offset
-    model["disableactuator"] = model["opt"] + option.disableactuator.offset
+    model |= {x: model["opt"] + getattr(option, x).offset for x in _OPTION_FIELDS}
     _check(model, data)
     return model, data
 
 
-def _where(structure: Any, names: tuple[str, ...]) -> dict[str, int]:
+def _where(structure: Any, names: list[str]) -> dict[str, int]:
     return {name: getattr(structure, name).offset for name in names if hasattr(structure, name)}
 
 
@@ -182,26 +192,23 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     data.time = 0.731
-    expected: list[tuple[int, type[np.generic], Any]] = [
-        (model._address + model_at["nv"], np.int64, model.nv),
-        (model._address + model_at["nnumeric"], np.int64, model.nnumeric),
-        (model._address + model_at["nuserdata"], np.int64, model.nuserdata),
-        (model._address + model_at["nu"], np.int64, model.nu),
-        (model._address + model_at["disableflags"], np.int32, model.opt.disableflags),
-        (model._address + model_at["disableactuator"], np.int32, model.opt.disableactuator),
-        (model._address + model_at["timestep"], np.float64, model.opt.timestep),
-        (model._address + model_at["integrator"], np.int32, model.opt.integrator),
-        (model._address + model_at["gravity"], np.float64, model.opt.gravity[0]),
-        (model._address + model_at["solver"], np.int32, model.opt.solver),
-        (model._address + model_at["noslip_iterations"], np.int32, model.opt.noslip_iterations),
-        (data._address + data_at["time"], np.float64, data.time),
-        (data._address + data_at["nefc"], np.int32, data.nefc),
-        (data._address + data_at["parena"], np.int64, data.parena),
+    sizes = ("nv", "nnumeric", "nuserdata", "nu", "nactuator")
+    counts = ("integrator", "solver", "noslip_iterations", "disableflags", "disableactuator")
+    whole: list[tuple[Any, Any, dict[str, int], tuple[str, ...], type[np.generic]]] = [
+        (model, model, model_at, sizes, np.int64),
+        (model, model.opt, model_at, counts, np.int32),
+        (model, model.opt, model_at, ("timestep",), np.float64),
+        (data, data, data_at, ("time",), np.float64),
+        (data, data, data_at, ("nefc", "nidof"), np.int32),
+        (data, data, data_at, ("parena",), np.int64),
     ]
-    if "nactuator" in model_at:
-        expected.append((model._address + model_at["nactuator"], np.int64, model.nactuator))
-    if "nidof" in data_at:
-        expected.append((data._address + data_at["nidof"], np.int32, data.nidof))
+    expected: list[tuple[int, type[np.generic], Any]] = [
+        (owner._address + at[name], kind, getattr(holder, name))
+        for owner, holder, at, names, kind in whole
+        for name in names
+        if name in at
+    ]
+    expected.append((model._address + model_at["gravity"], np.float64, model.opt.gravity[0]))
     for owner, at in ((model, model_at), (data, data_at)):
         for name in at:
             array = getattr(owner, name, None)

@@ -6,6 +6,7 @@ table (``simulate.layout`` verifies it against a live model).
 
 import ctypes
 import functools
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -15,7 +16,7 @@ from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPO
 from frictionjoint.simulate.fast_step import joint_torque
 from frictionjoint.simulate.implicit_mass import put_in, take_back
 from frictionjoint.simulate.joint_effects import asks_for_load, coupled_load, joint_effects
-from frictionjoint.simulate.layout import offsets
+from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, offsets
 from frictionjoint.simulate.motor_demand import commanded_torque, gives_less
 from frictionjoint.simulate.pointers import (
     Address,
@@ -46,162 +47,44 @@ PGS = int(mujoco.mjtSolver.mjSOL_PGS)
 # its four evaluations a step are no steps of their own: friction stays explicit
 RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
 
-_OF_MODEL = (
-    "nv",
-    "nnumeric",
-    "numeric_adr",
-    "numeric_data",
-    "timestep",
-    "integrator",
-    "dof_invweight0",
-    "dof_armature",
-    "gravity",
-    "jnt_bodyid",
-    "jnt_axis",
-    "M_rowadr",
-    "M_rownnz",
-    "nuserdata",
-    "nu",
-    "nactuator",
-    "actuator_ctrladr",
-    "actuator_ctrlnum",
-    "actuator_outadr",
-    "disableflags",
-    "disableactuator",
-    "actuator_trntype",
-    "actuator_trnid",
-    "actuator_group",
-    "actuator_gear",
-    "actuator_gainprm",
-    "actuator_biasprm",
-    "actuator_ctrllimited",
-    "actuator_ctrlrange",
-    "solver",
-    "noslip_iterations",
-    "dof_Madr",
-)
-_OF_DATA = (
-    "M",
-    "xmat",
-    "xaxis",
-    "time",
-    "qpos",
-    "qvel",
-    "qfrc_passive",
-    "userdata",
-    "sensordata",
-    "qacc",
-    "qfrc_constraint",
-    "ctrl",
-    "nefc",
-    "arena",
-    "parena",
-    "efc_Y_rownnz",
-    "efc_Y",
-    "efc_AR_rownnz",
-    "efc_AR",
-    "qM",
-    "iM",
-    "iLD",
-    "iLDiagInv",
-    "qLD",
-    "qLDiagInv",
-    "iM_rowadr",
-    "map_idof2dof",
-    "nidof",
-)
-(
-    M_NV,
-    M_NNUMERIC,
-    M_NUMERIC_ADR,
-    M_NUMERIC_DATA,
-    M_TIMESTEP,
-    M_INTEGRATOR,
-    M_DOF_INVWEIGHT0,
-    M_DOF_ARMATURE,
-    M_GRAVITY,
-    M_JNT_BODYID,
-    M_JNT_AXIS,
-    M_MASS_ROWADR,
-    M_MASS_ROWNNZ,
-    M_NUSERDATA,
-    M_NU,
-    M_NACTUATOR,
-    M_ACTUATOR_CTRLADR,
-    M_ACTUATOR_CTRLNUM,
-    M_ACTUATOR_OUTADR,
-    M_DISABLEFLAGS,
-    M_DISABLEACTUATOR,
-    M_ACTUATOR_TRNTYPE,
-    M_ACTUATOR_TRNID,
-    M_ACTUATOR_GROUP,
-    M_ACTUATOR_GEAR,
-    M_ACTUATOR_GAINPRM,
-    M_ACTUATOR_BIASPRM,
-    M_ACTUATOR_CTRLLIMITED,
-    M_ACTUATOR_CTRLRANGE,
-    M_SOLVER,
-    M_NOSLIP_ITERATIONS,
-    M_DOF_MADR,
-    D_M,
-    D_XMAT,
-    D_XAXIS,
-    D_TIME,
-    D_QPOS,
-    D_QVEL,
-    D_QFRC_PASSIVE,
-    D_USERDATA,
-    D_SENSORDATA,
-    D_QACC,
-    D_QFRC_CONSTRAINT,
-    D_CTRL,
-    D_NEFC,
-    D_ARENA,
-    D_PARENA,
-    D_EFC_Y_ROWNNZ,
-    D_EFC_Y,
-    D_EFC_AR_ROWNNZ,
-    D_EFC_AR,
-    D_QM,
-    D_IM,
-    D_ILD,
-    D_ILDIAGINV,
-    D_QLD,
-    D_QLDIAGINV,
-    D_IM_ROWADR,
-    D_MAP_IDOF2DOF,
-    D_NIDOF,
-) = range(len(_OF_MODEL) + len(_OF_DATA))
+
+def _places(struct: str, names: Sequence[str], first: int) -> Any:
+    """Where the offset of each field of a structure is in `AT`, by the field's name."""
+    return type(struct, (), {name: first + i for i, name in enumerate(names)})
+
+
+MODEL = _places("mjModel", MODEL_NAMES, 0)
+DATA = _places("mjData", DATA_NAMES, len(MODEL_NAMES))
 # the projection of the constraints, whichever of them this MuJoCo has
 PROJECTED = ("efc_Y_rownnz", "efc_Y", "efc_AR_rownnz", "efc_AR")
-_D_PROJECTED = (D_EFC_Y_ROWNNZ, D_EFC_Y, D_EFC_AR_ROWNNZ, D_EFC_AR)
+_D_PROJECTED = tuple(getattr(DATA, name) for name in PROJECTED)
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
-AT = Table("offsets", len(_OF_MODEL) + len(_OF_DATA))
+AT = Table("offsets", len(MODEL_NAMES) + len(DATA_NAMES))
 """Bytes from the beginning of mjModel and mjData; 0 for a field that this MuJoCo lacks."""
 
 
 @compiled
 def native(m: Address, d: Address) -> None:
     """Subtract the friction of a model's joints from ``qfrc_passive``; see ``python_callback``."""
-    n = int(wholes_in(m, AT[M_NNUMERIC])[0])
+    n = int(wholes_in(m, AT[MODEL.nnumeric])[0])
     if n == 0:
         return
-    there = wholes_in(d, AT[D_SENSORDATA])[0] - wholes_in(d, AT[D_USERDATA])[0]
-    if there < 8 * wholes_in(m, AT[M_NUSERDATA])[0]:
+    there = wholes_in(d, AT[DATA.sensordata])[0] - wholes_in(d, AT[DATA.userdata])[0]
+    if there < 8 * wholes_in(m, AT[MODEL.nuserdata])[0]:
         warn_of_no_room_in_c(m)
         return
-    address, P = shorts(m, AT[M_NUMERIC_ADR]), reals(m, AT[M_NUMERIC_DATA])
-    qpos, qvel = reals(d, AT[D_QPOS]), reals(d, AT[D_QVEL])
-    passive, X = reals(d, AT[D_QFRC_PASSIVE]), reals(d, AT[D_USERDATA])
-    t = reals_in(d, AT[D_TIME])[0]
-    step = reals_in(m, AT[M_TIMESTEP])[0]
+    address, P = shorts(m, AT[MODEL.numeric_adr]), reals(m, AT[MODEL.numeric_data])
+    qpos, qvel = reals(d, AT[DATA.qpos]), reals(d, AT[DATA.qvel])
+    passive, X = reals(d, AT[DATA.qfrc_passive]), reals(d, AT[DATA.userdata])
+    t = reals_in(d, AT[DATA.time])[0]
+    step = reals_in(m, AT[MODEL.timestep])[0]
     h = step
-    if shorts_in(m, AT[M_INTEGRATOR])[0] == RK4:
+    if shorts_in(m, AT[MODEL.integrator])[0] == RK4:
         h = 0.0
-    weights = reals(m, AT[M_DOF_INVWEIGHT0])
-    nv = int(wholes_in(m, AT[M_NV])[0])
-    M = reals(d, AT[D_M])
-    first_of, count_of = shorts(m, AT[M_MASS_ROWADR]), shorts(m, AT[M_MASS_ROWNNZ])
+    weights = reals(m, AT[MODEL.dof_invweight0])
+    nv = int(wholes_in(m, AT[MODEL.nv])[0])
+    M = reals(d, AT[DATA.M])
+    first_of, count_of = shorts(m, AT[MODEL.M_rowadr]), shorts(m, AT[MODEL.M_rownnz])
     changed = False
     loaded = False
     bias = moved = qvel
@@ -233,27 +116,27 @@ def native(m: Address, d: Address) -> None:
             commanded = 0.0
             if gives_less(P, effects):
                 # until MuJoCo 3.12 each actuator has one control and one output, of its number
-                apart = AT[M_NACTUATOR] != 0
+                apart = AT[MODEL.nactuator] != 0
                 commanded = commanded_torque(
                     joint,
                     q,
                     v,
-                    int(wholes_in(m, AT[M_NACTUATOR] if apart else AT[M_NU])[0]),
+                    int(wholes_in(m, AT[MODEL.nactuator] if apart else AT[MODEL.nu])[0]),
                     apart,
-                    shorts(m, AT[M_ACTUATOR_CTRLADR]),
-                    shorts(m, AT[M_ACTUATOR_CTRLNUM]),
-                    shorts(m, AT[M_ACTUATOR_OUTADR]),
-                    int(shorts_in(m, AT[M_DISABLEFLAGS])[0]),
-                    int(shorts_in(m, AT[M_DISABLEACTUATOR])[0]),
-                    shorts(m, AT[M_ACTUATOR_TRNTYPE]),
-                    shorts(m, AT[M_ACTUATOR_TRNID]),
-                    shorts(m, AT[M_ACTUATOR_GROUP]),
-                    reals(m, AT[M_ACTUATOR_GEAR]),
-                    reals(m, AT[M_ACTUATOR_GAINPRM]),
-                    reals(m, AT[M_ACTUATOR_BIASPRM]),
-                    flags(m, AT[M_ACTUATOR_CTRLLIMITED]),
-                    reals(m, AT[M_ACTUATOR_CTRLRANGE]),
-                    reals(d, AT[D_CTRL]),
+                    shorts(m, AT[MODEL.actuator_ctrladr]),
+                    shorts(m, AT[MODEL.actuator_ctrlnum]),
+                    shorts(m, AT[MODEL.actuator_outadr]),
+                    int(shorts_in(m, AT[MODEL.disableflags])[0]),
+                    int(shorts_in(m, AT[MODEL.disableactuator])[0]),
+                    shorts(m, AT[MODEL.actuator_trntype]),
+                    shorts(m, AT[MODEL.actuator_trnid]),
+                    shorts(m, AT[MODEL.actuator_group]),
+                    reals(m, AT[MODEL.actuator_gear]),
+                    reals(m, AT[MODEL.actuator_gainprm]),
+                    reals(m, AT[MODEL.actuator_biasprm]),
+                    flags(m, AT[MODEL.actuator_ctrllimited]),
+                    reals(m, AT[MODEL.actuator_ctrlrange]),
+                    reals(d, AT[DATA.ctrl]),
                 )
             load = 0.0
             loads = asks_for_load(P, effects)
@@ -263,11 +146,11 @@ def native(m: Address, d: Address) -> None:
                     mj_markStack(d)
                     bias, moved = mj_stackAllocNum(d, nv), mj_stackAllocNum(d, nv)
                     mj_rne(m, d, 0, bias)
-                    qacc = reals(d, AT[D_QACC])
+                    qacc = reals(d, AT[DATA.qacc])
                     mj_mulM(m, d, moved, qacc)
                     for k in range(nv):  # friction changes the diagonal entries
                         moved[k] -= M[int(first_of[k] + count_of[k]) - 1] * qacc[k]
-                others = moved[dof] - reals(d, AT[D_QFRC_CONSTRAINT])[dof]
+                others = moved[dof] - reals(d, AT[DATA.qfrc_constraint])[dof]
                 load = bias[dof]
                 load += coupled_load(P, block + HEAD, X, x, loads, later, others)
             F += joint_effects(
@@ -278,22 +161,22 @@ def native(m: Address, d: Address) -> None:
                 q,
                 v,
                 load,
-                own - reals(m, AT[M_DOF_ARMATURE])[dof],
-                reals(m, AT[M_DOF_ARMATURE])[dof],
+                own - reals(m, AT[MODEL.dof_armature])[dof],
+                reals(m, AT[MODEL.dof_armature])[dof],
                 joint,
-                reals(m, AT[M_JNT_AXIS]),
-                reals(d, AT[D_XAXIS]),
-                reals_in(m, AT[M_GRAVITY]),
-                reals(d, AT[D_XMAT]),
-                int(shorts(m, AT[M_JNT_BODYID])[joint]),
+                reals(m, AT[MODEL.jnt_axis]),
+                reals(d, AT[DATA.xaxis]),
+                reals_in(m, AT[MODEL.gravity]),
+                reals(d, AT[DATA.xmat]),
+                int(shorts(m, AT[MODEL.jnt_bodyid])[joint]),
                 commanded,
             )
         passive[dof] -= F
         if put_in(X, x, M, entry, h):
             changed = True
-            if AT[D_IM] != 0:
-                second = int(shorts(m, AT[M_DOF_MADR])[dof])
-                reals(d, AT[D_QM])[second] = M[entry]
+            if AT[DATA.iM] != 0:
+                second = int(shorts(m, AT[MODEL.dof_Madr])[dof])
+                reals(d, AT[DATA.qM])[second] = M[entry]
         if F != F:
             break  # gone astray: MuJoCo resets the whole state
     if loaded:
@@ -301,21 +184,21 @@ def native(m: Address, d: Address) -> None:
     if not changed:
         return
     mj_factorM(m, d)
-    if AT[D_IM] != 0 and wholes_in(d, AT[D_IM])[0] != 0:
-        factor, diagonal = reals(d, AT[D_QLD]), reals(d, AT[D_QLDIAGINV])
-        island_mass = reals(d, AT[D_IM])
-        island_factor = reals(d, AT[D_ILD])
-        island_diagonal = reals(d, AT[D_ILDIAGINV])
-        row, dof_of = shorts(d, AT[D_IM_ROWADR]), shorts(d, AT[D_MAP_IDOF2DOF])
-        for i in range(int(shorts_in(d, AT[D_NIDOF])[0])):
+    if AT[DATA.iM] != 0 and wholes_in(d, AT[DATA.iM])[0] != 0:
+        factor, diagonal = reals(d, AT[DATA.qLD]), reals(d, AT[DATA.qLDiagInv])
+        island_mass = reals(d, AT[DATA.iM])
+        island_factor = reals(d, AT[DATA.iLD])
+        island_diagonal = reals(d, AT[DATA.iLDiagInv])
+        row, dof_of = shorts(d, AT[DATA.iM_rowadr]), shorts(d, AT[DATA.map_idof2dof])
+        for i in range(int(shorts_in(d, AT[DATA.nidof])[0])):
             dof = int(dof_of[i])
             island_diagonal[i] = diagonal[dof]
             for k in range(int(count_of[dof])):
                 island_mass[int(row[i]) + k] = M[int(first_of[dof]) + k]
                 island_factor[int(row[i]) + k] = factor[int(first_of[dof]) + k]
-    if shorts_in(d, AT[D_NEFC])[0] == 0:
+    if shorts_in(d, AT[DATA.nefc])[0] == 0:
         return
-    if shorts_in(m, AT[M_SOLVER])[0] == PGS or shorts_in(m, AT[M_NOSLIP_ITERATIONS])[0] > 0:
+    if shorts_in(m, AT[MODEL.solver])[0] == PGS or shorts_in(m, AT[MODEL.noslip_iterations])[0] > 0:
         # the projection that the position stage made goes: it is the last in the arena
         lowest = 0
         for which in _D_PROJECTED:
@@ -323,7 +206,7 @@ def native(m: Address, d: Address) -> None:
             if begin != 0 and (lowest == 0 or begin < lowest):
                 lowest = begin
         if lowest != 0:
-            wholes_in(d, AT[D_PARENA])[0] = lowest - int(wholes_in(d, AT[D_ARENA])[0])
+            wholes_in(d, AT[DATA.parena])[0] = lowest - int(wholes_in(d, AT[DATA.arena])[0])
         mj_projectConstraint(m, d)
 
 
@@ -359,8 +242,8 @@ def build_native() -> Any:
     """
     model_at, data_at = offsets()
     AT.numbers[:] = [
-        *(model_at.get(name, 0) for name in _OF_MODEL),
-        *(data_at.get(name, 0) for name in _OF_DATA),
+        *(model_at.get(name, 0) for name in MODEL_NAMES),
+        *(data_at.get(name, 0) for name in DATA_NAMES),
     ]
     bind_mujoco(
         mj_factorM,
