@@ -1,11 +1,10 @@
 """Published figures on public logs, with ours next to them: one run, one table.
 
     python lab/published_claims.py --data DIR --out DIR [--only emps --only xl330] [--write]
-        [--pulses DATA_EMPS_PULSES.mat] [--ur10e DIR] [--bam PYTHON] [--figaroh PYTHON]
-        [--trainnr PYTHON]
+        [--pulses DATA_EMPS_PULSES.mat] [--bam PYTHON] [--figaroh PYTHON] [--trainnr PYTHON]
 
---data is the folder of `real_logs.py`, --ur10e that of `motor_logs.py` with the robot's URDF. The
-second EMPS log is given on its own. BAM, figaroh and trainnr run in environments of their own,
+--data is the folder of `real_logs.py`, with the UR10e's log of `motor_logs.py` in it. The second
+EMPS log is given on its own. BAM, figaroh and trainnr run in environments of their own,
 given by their Python. Each claim is fitted and judged as its authors did, on the same samples.
 Seconds are those of the processor. Lines are those that a user writes: one command is one line; for
 programs without a command, the script here that calls them. What was run stays in --out as JSON;
@@ -16,7 +15,6 @@ import argparse
 import ast
 import json
 import os
-import sys
 import tempfile
 import time
 from dataclasses import replace
@@ -226,23 +224,6 @@ def robot(title, name):
     return claim
 
 
-def ur10e(asked):
-    """Two logs fitted, a third held out; the URDF as published, without its meshes."""
-    if not asked.ur10e:
-        sys.exit("--ur10e: give the folder of the robot's logs")
-    urdf = asked.ur10e / "ur10e.urdf"
-    fitted, held = (asked.ur10e / f"{x}.csv" for x in ("20_02_12-40sec_12harm", "20_01_31-unload"))
-    begin = time.process_time()
-    report = close_loop([fitted], urdf, held_out=[held])
-    seconds = f"{time.process_time() - begin:.0f}"
-    errors = [
-        100.0 * x.after_torque.held_out / x.drive_rms("after").held_out
-        for x in report.joints.values()
-    ]
-    name, figure = "UR10e (Mamedov, Mikhel 2020)", "torque error, another log held out, 6 joints"
-    return [row(name, figure, "frictionjoint", "", f"{np.mean(errors):.1f}%", seconds, "1")]
-
-
 CLAIMS = {
     "emps": emps,
     "xl330": xl330,
@@ -250,7 +231,7 @@ CLAIMS = {
     "ur10": robot("UR10 (Petrone et al.)", "ur10"),
     "tx40": robot("TX40 (figaroh-examples)", "tx40"),
     "panda": robot("Panda (Gaz et al. 2019)", "panda"),
-    "ur10e": ur10e,
+    "ur10e": robot("UR10e (Mamedov, Mikhel 2020)", "ur10e"),
 }
 
 
@@ -261,7 +242,6 @@ def main():
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--only", action="append", choices=list(CLAIMS), default=[])
     parser.add_argument("--pulses", type=Path)
-    parser.add_argument("--ur10e", type=Path)
     for program in ("bam", "figaroh", "trainnr"):
         parser.add_argument(f"--{program}", help=f"Python of an environment that has {program}")
     parser.add_argument("--limit", type=float, default=120.0, help="s of sysid's, of one processor")

@@ -30,7 +30,8 @@ PAGE = "lab/notes/robots.md"
 REST = "## What a least squares leaves"
 HEAD = """# Measured robots
 
-Public logs of four robots. `python lab/real_robots.py --data DIR --out DIR --write` runs one
+Public logs of robots; `lab/motor_logs.py` makes those of the UR10e.
+`python lab/real_robots.py --data DIR --out DIR --write` runs one
 command for each, `frictionjoint close-loop LOG... --model ROBOT --held-out 0.3 --out OUT`, and
 writes the tables. After them come [what is left, and why](#what-is-left-and-why), robots that were
 [new](#robots-that-were-new) and [other programs](#beside-mujocosysid-and-figaroh).
@@ -62,6 +63,7 @@ ROBOTS = {
     "ur10": Robot(("unisa_ur10/ur10.csv",), "ur10.xml"),
     "tx40": Robot(("staubli_tx40",), "staubli_tx40.xml"),
     "kr300": Robot(("kuka_kr300/A.csv", "kuka_kr300/B.csv"), "kuka_kr300.xml"),
+    "ur10e": Robot(("ur10e/20_02_12-40sec_12harm.csv",), "ur10e.xml"),
 }
 
 
