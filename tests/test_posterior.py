@@ -53,6 +53,19 @@ def test_draws_have_the_spread_and_the_correlation_of_the_fit(posterior):
     assert np.mean(level) == pytest.approx(MEAN[0], abs=0.01)
 
 
+def test_what_stems_from_the_gain_of_the_drive_is_apart(posterior):
+    """The first number takes the place of the gain: 0.8 of the spring's error follows it."""
+    apart = Posterior.of(MEAN, COV, friction, has_gain=True)
+    np.testing.assert_allclose(
+        apart.factor @ apart.factor.T, posterior.factor @ posterior.factor.T, atol=1e-9
+    )
+    # the last number of the file is the spring's second coefficient
+    whole, known = (np.sqrt(np.diag(x.cov)[-2]) for x in (posterior, apart))
+    assert known == pytest.approx(0.6 * whole, rel=1e-3)
+    again = Posterior.from_dict(apart.to_dict())
+    np.testing.assert_array_equal(again.cov, apart.cov)
+
+
 def test_every_set_drawn_is_valid_and_can_be_installed(posterior):
     wide = Posterior(posterior.content, 5.0 * posterior.factor)
     for x in wide.sample(200, seed=2):

@@ -322,4 +322,4 @@ def _posterior(
         one = vector.fit(np.clip(x, vector.low, vector.high))
         return JointFriction(law_parameters(one), tuple(simulated_effects(one)))
 
-    return Posterior.of(values, spread, made)
+    return Posterior.of(values, spread, made, vector.has_gain)

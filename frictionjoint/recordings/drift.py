@@ -73,7 +73,7 @@ def known_of(report: Path, joint: str | None = None) -> Known:
     if not model.is_file():
         raise ParameterError(f"{model}: missing next to the report: give the whole folder")
     posterior = Posterior.from_dict(joints[name]["posterior"])
-    return Known(model, name, posterior.content, posterior.factor @ posterior.factor.T)
+    return Known(model, name, posterior.content, posterior.cov)
 
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:

@@ -88,7 +88,7 @@ class Known:
     Attributes:
         model: MJCF of the joint with that friction, path or text. joint: name.
         content: of its parameter file.
-        cov: covariance of the file's numbers, shape (m, m).
+        cov: covariance of the file's numbers, shape (m, m), at the gain of the drive in the model.
     """
 
     model: str | Path

@@ -95,8 +95,7 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
             "the comparison takes the drive as it is measured, and this result corrects it "
             f"({', '.join(map(title, corrected))})."
         )
-    cov = posterior.factor @ posterior.factor.T
-    return Known(report.mjcf, report.joint, posterior.content, cov, fixed)
+    return Known(report.mjcf, report.joint, posterior.content, posterior.cov, fixed)
 
 
 def _determined(between: Between) -> bool:

@@ -33,17 +33,40 @@ class Posterior:
     Attributes:
         content: of the file at the mean. factor: change of each number with each of r independent
             standard normal numbers, shape (m, r), in the order of `numbers_in`.
+        of_gain: number of first columns that stem from the gain of the drive, which the logs
+            determine together with the friction: 1, or 0 if the torque was measured.
     """
 
     content: dict[str, Any]
     factor: Array
+    of_gain: int = 0
+
+    @property
+    def cov(self) -> Array:
+        """Covariance of the numbers if the gain of the drive is known, shape (m, m)."""
+        rest = self.factor[:, self.of_gain :]
+        return np.asarray(rest @ rest.T)
 
     @classmethod
-    def of(cls, values: Array, cov: Array, made: Callable[[Array], JointFriction]) -> "Posterior":
-        """From a fit's numbers, their covariance, and the friction they define."""
+    def of(
+        cls,
+        values: Array,
+        cov: Array,
+        made: Callable[[Array], JointFriction],
+        has_gain: bool = False,
+    ) -> "Posterior":
+        """From a fit's numbers, their covariance, and the friction they define.
+
+        Args:
+            has_gain: the first number is the gain of the drive.
+        """
+        gain: Array = np.zeros((0, len(values)))
+        if has_gain and np.isfinite(cov[0]).all() and cov[0, 0] > 0.0:
+            gain = cov[:1] / np.sqrt(cov[0, 0])
+            cov = cov - gain.T @ gain
         squares, U = eigh(0.5 * (cov + cov.T))
         known = np.isfinite(squares) & (squares > 0.0)
-        moves = (U[:, known] * np.sqrt(squares[known])).T
+        moves = np.concatenate([gain, (U[:, known] * np.sqrt(squares[known])).T])
         content = _content(made(values))
         mean = numbers_in(content)
         size = len(mean)
@@ -63,7 +86,8 @@ class Posterior:
             columns.append(
                 ((mean if up is None else up) - (mean if down is None else down)) / width
             )
-        return cls(content, np.column_stack(columns) if columns else np.zeros((size, 0)))
+        factor = np.column_stack(columns) if columns else np.zeros((size, 0))
+        return cls(content, factor, len(gain))
 
     def sample(self, n: int, seed: int = 0) -> tuple[JointFriction, ...]:
         """Draw parameter sets, for `install`.
@@ -96,7 +120,11 @@ class Posterior:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
-        return {"parameters": self.content, "factor": self.factor.tolist()}
+        return {
+            "parameters": self.content,
+            "factor": self.factor.tolist(),
+            "of_gain": self.of_gain,
+        }
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> "Posterior":
@@ -108,13 +136,14 @@ class Posterior:
         try:
             parameters = dict(content["parameters"])
             factor = np.array(content["factor"], dtype=float)
+            of_gain = int(content.get("of_gain", 0))
             joint_friction(parameters)
             numbers = len(numbers_in(parameters))
         except (KeyError, TypeError, ValueError) as error:
             raise ParameterError(f"its posterior cannot be read: {error}") from None
         if factor.ndim != 2 or len(factor) != numbers:
             raise ParameterError("its posterior cannot be read: factor is of another shape")
-        return cls(parameters, factor)
+        return cls(parameters, factor, of_gain)
 
 
 def _content(friction: JointFriction) -> dict[str, Any]:
