@@ -3,7 +3,7 @@
 from frictionjoint.effects.catalogue import EVERY
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.joint_friction import JointFriction
-from frictionjoint.parameter_meanings import SIDES, Value, meaning, spelled, unit_of
+from frictionjoint.parameter_meanings import Value, by_direction, meaning, spelled, unit_of
 from frictionjoint.parameters import Friction
 
 # what a comment in a model states
@@ -19,16 +19,10 @@ def law_values(parameters: Friction, slide: bool = False) -> tuple[Value, ...]:
     numbers = {k: x for k, x in parameters.to_dict().items() if isinstance(x, float)}
     if parameters.stiffness > 0.0:
         numbers |= {"stiffness": parameters.stiffness}
-    found = []
-    for name, x in numbers.items():
-        base, _, side = name.rpartition("_")
-        twin = numbers.get(f"{base}_{'neg' if side == 'pos' else 'pos'}") if side in SIDES else None
-        if twin == x:
-            if side == "pos":
-                found.append(Value(base, meaning(base), x, unit_of(base, slide)))
-            continue
-        found.append(Value(name, meaning(name), x, unit_of(name, slide)))
-    return tuple(found)
+    return tuple(
+        Value(symbol, meaning(symbol), numbers[name], unit_of(symbol, slide))
+        for symbol, name in by_direction(numbers)
+    )
 
 
 def effect_texts(joint: JointFriction, slide: bool = False) -> tuple[str, ...]:

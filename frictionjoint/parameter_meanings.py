@@ -1,6 +1,7 @@
 """Meanings and units of the parameters of a law."""
 
-from collections.abc import Iterable, Mapping
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 MEANINGS = {
@@ -69,16 +70,23 @@ def meanings(names: Iterable[str]) -> str:
 
 def short(fields: Mapping[str, Any]) -> str:
     """Fields of parameters as `name=value`; equal values of both directions appear once."""
-    parts: list[str] = []
-    for name, x in fields.items():
+    rows = by_direction(fields)
+    return ", ".join(f"{symbol}={_short(fields[x])}" for symbol, x in rows if x != "law")
+
+
+def by_direction(
+    fields: Mapping[str, Any], equal: Callable[[Any, Any], bool] = operator.eq
+) -> Iterator[tuple[str, str]]:
+    """Symbol and name of each field; one symbol, without a direction, where both are equal."""
+    for name in fields:
         base, _, side = name.rpartition("_")
-        twin = fields.get(f"{base}_{'neg' if side == 'pos' else 'pos'}") if side in SIDES else None
-        if twin is not None and twin == x:
-            if side == "pos":
-                parts.append(f"{base}={_short(x)}")
-        elif name != "law":
-            parts.append(f"{name}={_short(x)}")
-    return ", ".join(parts)
+        positive, negative = f"{base}_pos", f"{base}_neg"
+        if side not in SIDES or positive not in fields or negative not in fields:
+            yield name, name
+        elif side == "pos" and equal(fields[positive], fields[negative]):
+            yield base, positive
+        elif side == "pos":
+            yield from ((positive, positive), (negative, negative))
 
 
 def _short(x: Any) -> str:

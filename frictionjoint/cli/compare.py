@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from frictionjoint.cli.output import Force, require_writable
+from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import ParameterError
 
@@ -29,7 +29,7 @@ def compare(
         typer.Option("--out", metavar="FILE", help="Drawing: .html, .png or .svg."),
     ] = None,
     force: Force = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Compare laws, parameters or reports in one table.
 

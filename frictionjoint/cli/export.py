@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 import typer
 from rich.table import Table
 
-from frictionjoint.cli.logs import columns_of
-from frictionjoint.cli.output import Force, require_writable
+from frictionjoint.cli.logs import Columns, columns_of
+from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, progress
 from frictionjoint.errors import ParameterError
 
@@ -38,12 +38,7 @@ def export(
             "0.1 to 20 Stribeck velocities; for isaac, the speeds above the Stribeck range.",
         ),
     ] = None,
-    column: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--column", metavar="OURS=THEIRS", help="Name of a column in the log, e.g. time_s=t."
-        ),
-    ] = None,
+    column: Columns = None,
     lugre: Annotated[
         bool,
         typer.Option("--lugre", help="For `native`: MuJoCo's own LuGre, one actuator per joint."),
@@ -56,7 +51,7 @@ def export(
         ),
     ] = False,
     force: Force = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print what is lost as JSON.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Convert the friction of a model for another program, and state what is lost.
 

@@ -5,13 +5,13 @@ Everything comes from the content of report.json.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS, title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
-from frictionjoint.parameter_meanings import meaning
+from frictionjoint.parameter_meanings import by_direction, meaning
 from frictionjoint.report import wording
 
 Content = Mapping[str, Any]
@@ -72,19 +72,10 @@ def effect_estimates(content: Content, added: Content) -> dict[str, Estimate]:
 
 def law_numbers(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
     """Every parameter of a law; one row for both directions if they are equal."""
-    found = []
-    for name, x in law.items():
-        base, _, side = name.rpartition("_")
-        if side == "neg" and f"{base}_pos" in law:
-            continue
-        other = law.get(f"{base}_neg") if side == "pos" else None
-        if other is None:
-            found.append(_number(name, law))
-        elif _equal(x, other):
-            found.append(replace(_number(name, law), name=base, meaning=meaning(base)))
-        else:
-            found += [_number(n, law) for n in (name, f"{base}_neg")]
-    return tuple(found)
+    return tuple(
+        Number(symbol, meaning(symbol), with_unit(law[name]), status_of(name, law))
+        for symbol, name in by_direction(law, _equal)
+    )
 
 
 def friction_card(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
@@ -96,10 +87,6 @@ def friction_card(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
         for row in rows
         if row.name.removesuffix("_pos").removesuffix("_neg") == symbol
     )
-
-
-def _number(name: str, law: Mapping[str, Estimate]) -> Number:
-    return Number(name, meaning(name), with_unit(law[name]), status_of(name, law))
 
 
 def with_unit(x: Estimate) -> str:
