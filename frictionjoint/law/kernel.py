@@ -29,26 +29,12 @@ from frictionjoint.law.stribeck import FC, FS
 
 INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP, DAHL_STRIBECK = range(1, 9)
 
-_start_integrated = integrated.start
-_step_integrated = integrated.usual_step
-_set_limits = integrated.set_limits
-_step_static = static.step
-_hold_static = static.elastic_step
-_stiffness_of_static = static.stiffness
-_step_armstrong = armstrong.step
-_step_dahl = dahl.step
-_step_dahl_stribeck = dahl_stribeck.step
-_step_lugre = lugre.step
-_step_elastoplastic = elastoplastic.step
-_step_maxwell_slip = maxwell_slip.step
-_size_maxwell_slip = maxwell_slip.size
-
 
 @compiled
 def _rival_header(P: Vector, p: int) -> int:
     """float64 of one header of a law other than the integrated one."""
     if P[p] == MAXWELL_SLIP:
-        return _size_maxwell_slip(P, p + 1)
+        return maxwell_slip.size(P, p + 1)
     if P[p] == ARMSTRONG:
         return armstrong.SIZE
     if P[p] == DAHL_STRIBECK:
@@ -86,7 +72,7 @@ def start_rival(P: Vector, p: int, X: Vector, x: int) -> None:
 def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
     """Set a row to a joint that is at rest and has never moved."""
     if P[p] == INTEGRATED:
-        _start_integrated(P, p + 1, X, x, x + 2 * HEADER)
+        integrated.start(P, p + 1, X, x, x + 2 * HEADER)
         for i in range(HEADER):
             X[x + HEADER + i] = X[x + i]
         return
@@ -100,19 +86,19 @@ def step_rival(
     """A step of any law but the integrated one, from header `a` to header `h` (may be `a`)."""
     law = int(P[p])
     if law == LUGRE:
-        return _step_lugre(P, p + 1, X, a, h, dq, dt, v)
+        return lugre.step(P, p + 1, X, a, h, dq, dt, v)
     if law == MAXWELL_SLIP:
-        return _step_maxwell_slip(P, p + 1, X, a, h, dq, dt, v)
+        return maxwell_slip.step(P, p + 1, X, a, h, dq, dt, v)
     if law == ELASTOPLASTIC:
-        return _step_elastoplastic(P, p + 1, X, a, h, dq, dt, v)
+        return elastoplastic.step(P, p + 1, X, a, h, dq, dt, v)
     if law == DAHL:
-        return _step_dahl(P, p + 1, X, a, h, dq, dt, v)
+        return dahl.step(P, p + 1, X, a, h, dq, dt, v)
     if law == DAHL_STRIBECK:
-        return _step_dahl_stribeck(P, p + 1, X, a, h, dq, dt, v)
+        return dahl_stribeck.step(P, p + 1, X, a, h, dq, dt, v)
     if law == ARMSTRONG:
-        return _step_armstrong(P, p + 1, X, a, h, dq, dt, v)
+        return armstrong.step(P, p + 1, X, a, h, dq, dt, v)
     if law == STATIC:
-        return _step_static(P, p + 1, X, a, h, dq, dt, v)
+        return static.step(P, p + 1, X, a, h, dq, dt, v)
     return np.nan
 
 
@@ -122,7 +108,7 @@ def hold_rival(
 ) -> float:
     """`step_rival` in a simulation, where the static law has an elastic element."""
     if P[p] == STATIC:
-        return _hold_static(P, p + 1, X, a, h, dq, dt, v)
+        return static.elastic_step(P, p + 1, X, a, h, dq, dt, v)
     return step_rival(P, p, X, a, h, dq, dt, v)
 
 
@@ -130,7 +116,7 @@ def hold_rival(
 def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     """Torque after a displacement from the committed point, which is not changed."""
     if P[p] == INTEGRATED:
-        return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
+        return integrated.usual_step(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
     return step_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
 
 
@@ -138,7 +124,7 @@ def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: floa
 def hold_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     """`step_row` for a simulation, in which every law can hold a joint at rest."""
     if P[p] == INTEGRATED:
-        return _step_integrated(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
+        return integrated.usual_step(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
     return hold_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
 
 
@@ -159,7 +145,7 @@ def trial(
         kept = room(HEADER)
         for i in range(HEADER):
             kept[i] = X[h + i]
-        _step_integrated(P, p + 1, X, h, h, s, dq, dt, v)
+        integrated.usual_step(P, p + 1, X, h, h, s, dq, dt, v)
         Fh, rate = X[h + FH], X[h + RATE]
         for i in range(HEADER):
             X[h + i] = kept[i]
@@ -220,7 +206,7 @@ def fit_row(P: Vector, p: int, X: Vector, x: int) -> None:
             X[s] != -P[first + integrated.NEGATIVE + FS]
             or X[s + CAPACITY] != P[first + integrated.POSITIVE + FS]
         ):
-            _set_limits(P, first, X, x, s)
+            integrated.set_limits(P, first, X, x, s)
         return
     _fit_rival(P, p, X, x)
 
@@ -248,7 +234,7 @@ def presliding(P: Vector, p: int) -> tuple[float, float]:
     if law == INTEGRATED:
         return P[p + 1 + integrated.KNOTS + 3], P[p + 1 + integrated.SIGMA1]
     if law == STATIC:
-        return _stiffness_of_static(P, p + 1), 0.0
+        return static.stiffness(P, p + 1), 0.0
     if law == MAXWELL_SLIP:
         K = 0.0
         for i in range(int(P[p + 1 + maxwell_slip.N_ELEMENTS])):

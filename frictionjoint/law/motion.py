@@ -19,9 +19,6 @@ from frictionjoint.law.memory import CAPACITY, FH, HEADER, RATE, make_room
 from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction
 
-_start = integrated.start
-_step = integrated.step
-
 
 @compiled
 def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F: Vector) -> None:
@@ -61,13 +58,13 @@ def drive_integrated(
     p, h, s = 1, 0, HEADER
     for i in range(len(edges) - 1):
         first = edges[i]
-        _start(block, p, X, h, s)
+        integrated.start(block, p, X, h, s)
         H[first] = 0.0
         rate[first] = 1.0
         for k in range(first + 1, edges[i + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            _step(block, p, X, h, h, s, dq, dt, dq / dt)
+            integrated.step(block, p, X, h, h, s, dq, dt, dq / dt)
             make_room(X, h, s)
             H[k] = X[FH]
             rate[k] = X[RATE]

@@ -105,14 +105,8 @@ class WarpFriction:
                 "that is stepped"
             )
         # before anything reads M: no friction in it
-        self._wp.launch(
-            self._take_back,
-            dim=(len(self.joints), d.nworld),
-            inputs=[self.parameters, self._blocks, self._rows, m.M_rowadr, m.M_rownnz],
-            outputs=[self.state, d.M],
-            device=d.qpos.device,
-            block_dim=_BLOCK,
-        )
+        where = [self.parameters, self._blocks, self._rows]
+        self._launch(self._take_back, [*where, m.M_rowadr, m.M_rownnz], [self.state, d.M])
         if self._layout.has_loads:
             # the load of a gear: this step's bias forces, which come after passive ones, and what
             # the step before has left, accelerations and constraint forces
@@ -120,13 +114,10 @@ class WarpFriction:
             self._mjw.mul_m(m, d, self._moved, d.qacc)
         bit = self._mjw.DisableBit
         drives = not m.opt.disableflags & bit.ACTUATION
-        self._wp.launch(
+        self._launch(
             self._friction,
-            dim=(len(self.joints), d.nworld),
-            inputs=[
-                self.parameters,
-                self._blocks,
-                self._rows,
+            [
+                *where,
                 self._loads,
                 m.opt.timestep,
                 m.dof_invweight0,
@@ -156,11 +147,21 @@ class WarpFriction:
                 m.actuator_biasprm,
                 self.state,
             ],
-            outputs=[d.M, self._of_effects, d.qfrc_passive],
+            [d.M, self._of_effects, d.qfrc_passive],
+        )
+        self._mjw.factor_m(m, d)
+
+    def _launch(self, kernel: Any, inputs: list[Any], outputs: list[Any]) -> None:
+        """Run a kernel for every joint in every world."""
+        d = self._data
+        self._wp.launch(
+            kernel,
+            dim=(len(self.joints), d.nworld),
+            inputs=inputs,
+            outputs=outputs,
             device=d.qpos.device,
             block_dim=_BLOCK,
         )
-        self._mjw.factor_m(m, d)
 
     def set_parameters(
         self, joint: str, parameters: Friction | JointFriction | Sequence[Friction | JointFriction]
@@ -209,23 +210,9 @@ class WarpFriction:
         (N for a slide joint); overwritten by the next call.
         """
         d = self._data
-        self._wp.launch(
-            self._acted,
-            dim=(len(self.joints), d.nworld),
-            inputs=[
-                self.parameters,
-                self._blocks,
-                self._rows,
-                self._model.opt.timestep,
-                d.time,
-                d.qvel,
-                d.qacc,
-                self._of_effects,
-            ],
-            outputs=[self.state, self._torque],
-            device=d.qpos.device,
-            block_dim=_BLOCK,
-        )
+        where = [self.parameters, self._blocks, self._rows]
+        seen = [self._model.opt.timestep, d.time, d.qvel, d.qacc, self._of_effects]
+        self._launch(self._acted, where + seen, [self.state, self._torque])
         return self._torque
 
     def reset(self, world_mask: Any = None) -> None:
@@ -251,14 +238,7 @@ class WarpFriction:
             if not isinstance(mask, self._wp.array):
                 on = self._data.qpos.device
                 mask = self._wp.array(np.asarray(mask, dtype=bool), dtype=self._wp.bool, device=on)
-        self._wp.launch(
-            self._reset,
-            dim=(len(self.joints), self._data.nworld),
-            inputs=[mask, self._rows],
-            outputs=[self.state],
-            device=self._data.qpos.device,
-            block_dim=_BLOCK,
-        )
+        self._launch(self._reset, [mask, self._rows], [self.state])
 
     def detach(self) -> None:
         """Stop the friction and restore the previous callback. A captured graph keeps it."""
