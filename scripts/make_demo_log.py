@@ -1,20 +1,13 @@
 """Make the shipped log: one joint whose cogging its model does not mention.
 
     python scripts/make_demo_log.py                     # rewrites frictionjoint/demo/
-    python scripts/make_demo_log.py --out /some/folder --json
 
 The plant is a geared arm with a gravity load, generalised Maxwell-slip friction and MuJoCo's own
 `dcmotor` cogging, stepped by MuJoCo at 0.1 ms. Nothing of the package under test takes part.
 """
 
-from __future__ import annotations
-
-import json
 import sys
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from tests.plants.plant import (
@@ -48,22 +41,11 @@ NAMES = ("pick_and_place.csv", "ramps.csv", "multisine.csv")
 DIGITS = {"time_s": "%.4f", "torque_nm": "%.3f", "target_rad": "%.4f", "position_rad": "%.6f"}
 
 
-def main(
-    out: Annotated[Path, typer.Option(help="folder to write to")] = Path(__file__).parents[1]
-    / "frictionjoint"
-    / "demo",
-    as_json: Annotated[bool, typer.Option("--json", help="print what was written as JSON")] = False,
-) -> None:
+def main() -> None:
     """Simulate the test joint and write its three logs and the model its user believes in."""
-    trial = simulate(SPEC)
-    paths = write(trial, out, NAMES, DIGITS)
-    sizes = {path.name: path.stat().st_size for path in paths}
-    if as_json:
-        print(json.dumps({"files": sizes, "truth": trial.truth}))
-        return
-    for name, size in sizes.items():
-        print(f"{out / name}: {size / 1000:.0f} kB")
+    folder = Path(__file__).resolve().parents[1] / "frictionjoint" / "demo"
+    write(simulate(SPEC), folder, NAMES, DIGITS)
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    main()

@@ -27,7 +27,6 @@ from frictionjoint.cli.logs import (
 from frictionjoint.cli.output import Force, Json, Open, open_page, require_writable
 from frictionjoint.cli.robot import (
     RobotRequest,
-    Wanted,
     close_loop_of_robot,
     close_loop_of_units,
     robots_of,
@@ -148,11 +147,12 @@ def close_loop_command(
         if isinstance(mjcf, dict):
             raise ModelError("--model: several joints share one model, give one without a pattern")
         request = RobotRequest(logs, held_out, Path(mjcf), joint or [], reading)
-        wanted = Wanted(out, force, seed, law, poses(fixed), as_json, scheduler, controller, refine)
+        search = {"seed": seed, "law": law, "fixed": poses(fixed), "scheduler": scheduler}
+        search |= {"controller": controller, "refine": refine}
         if robot:
-            close_loop_of_units(request, robots_of(robot), wanted)
+            close_loop_of_units(request, robots_of(robot), out, force, as_json, search)
         else:
-            close_loop_of_robot(request, wanted)
+            close_loop_of_robot(request, out, force, as_json, search)
         if open_it:
             open_page(out / "report.html")
         return

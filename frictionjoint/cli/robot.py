@@ -16,9 +16,6 @@ from frictionjoint.cli.terminal import console, progress, show_report
 from frictionjoint.errors import LogError
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
-    from collections.abc import Mapping
-
-    from frictionjoint.identify.held import Pose
     from frictionjoint.report.units_report import UnitsReport
     from frictionjoint.robot.logs import RobotLogs
 
@@ -74,49 +71,29 @@ class RobotRequest:
         )
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What to do with the logs.
+def close_loop_of_robot(
+    request: RobotRequest, out: Path, force: bool, as_json: bool, search: dict[str, Any]
+) -> None:
+    """Read, analyse, write and show.
 
-    Attributes:
-        out, force: folder of the report, and whether it may be overwritten. as_json: on stdout.
-        seed, law, fixed, scheduler, controller, refine: see `close_loop_robot`.
+    Args:
+        out: folder of the report. search: further arguments of `close_loop_robot`.
     """
-
-    out: Path
-    force: bool
-    seed: int
-    law: str | None
-    fixed: "Mapping[str, Pose]"
-    as_json: bool
-    scheduler: str | None = None
-    controller: str | None = None
-    refine: bool | None = None
-
-    @property
-    def search(self) -> dict[str, Any]:
-        """Arguments of the search by name."""
-        names = ("seed", "law", "fixed", "scheduler", "controller", "refine")
-        return {name: getattr(self, name) for name in names}
-
-
-def close_loop_of_robot(request: RobotRequest, wanted: Wanted) -> None:
-    """Read, analyse, write and show."""
     from frictionjoint.report.write import FILES
     from frictionjoint.report.write_robot import write_robot_report
     from frictionjoint.robot.close_loop import close_loop_robot
 
     with progress() as say:
-        require_writable(wanted.out, request.files, wanted.force, FILES)
+        require_writable(out, request.files, force, FILES)
         logs = request.read()
-        report = close_loop_robot(logs, request.model, progress=say, **wanted.search)
+        report = close_loop_robot(logs, request.model, progress=say, **search)
         say("writing the report")
-        write_robot_report(report, wanted.out, shlex.join(["frictionjoint", *sys.argv[1:]]))
-    if wanted.as_json:
+        write_robot_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
+    if as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
         return
     show_report(report)
-    typer.echo(f"Report: {wanted.out / 'report.html'}   Model: {wanted.out / 'model.xml'}")
+    typer.echo(f"Report: {out / 'report.html'}   Model: {out / 'model.xml'}")
 
 
 def robots_of(robots: list[str]) -> dict[str, list[Path]]:
@@ -137,7 +114,12 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
 
 
 def close_loop_of_units(
-    request: RobotRequest, units: dict[str, list[Path]], wanted: Wanted
+    request: RobotRequest,
+    units: dict[str, list[Path]],
+    out: Path,
+    force: bool,
+    as_json: bool,
+    search: dict[str, Any],
 ) -> None:
     """Read, analyse, write and show several robots of one kind."""
     from frictionjoint.report.write_robot_units import FILES, write_units_report
@@ -147,16 +129,16 @@ def close_loop_of_units(
         raise LogError("--robot: give every log as NAME=LOG, and a fraction to --held-out")
     with progress() as say:
         read = [path for paths in units.values() for path in paths]
-        require_writable(wanted.out, [*read, request.model], wanted.force, FILES)
+        require_writable(out, [*read, request.model], force, FILES)
         logs = {name: request.of_unit(paths).read() for name, paths in units.items()}
-        report = close_loop_units(logs, request.model, progress=say, **wanted.search)
+        report = close_loop_units(logs, request.model, progress=say, **search)
         say("writing the reports")
-        write_units_report(report, wanted.out, shlex.join(["frictionjoint", *sys.argv[1:]]))
-    if wanted.as_json:
+        write_units_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
+    if as_json:
         typer.echo(json.dumps(report.to_dict(), indent=2))
         return
     show_units(report)
-    typer.echo(f"Report: {wanted.out / 'report.html'}")
+    typer.echo(f"Report: {out / 'report.html'}")
 
 
 def show_units(report: "UnitsReport") -> None:
