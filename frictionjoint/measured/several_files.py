@@ -58,55 +58,51 @@ def read_joined(
     source = files[0].parent / (files[0].parent.name or files[0].stem)
     mapping = dict(columns or {})
     clock = mapping.pop("time_s", None)
-    if sample_rate(clock or "") or sum(bool(_times(file, clock)) for file in files) == 1:
-        return _read_rows(files, joint, mapping, clock, signals, wrap, units)
-    tables = {file: _values(file, clock) for file in files}
+    together = bool(sample_rate(clock or "")) or sum(bool(_times(f, clock)) for f in files) == 1
+    clocks = {} if together else {file: _clock(file, clock) for file in files}
+    places = _rows_by_name(files, mapping) if together else _signals_by_name(clocks, mapping)
+    table = check_names(source.name, list(places), mapping) | {"time_s": "time_s"}
+    joint = joint_of(source.name, table, joint)
+    wanted = choose(source.name, table, joint)
+    wanted.pop("time_s")
+    more = choose_signals(source.name, table, joint, signals, wanted.values())
+    which = {ours: places[theirs] for ours, theirs in (wanted | more).items()}
+    if together:
+        found = {ours: load_columns(file, [name], "")[name] for ours, (file, name) in which.items()}
+        found = {"time_s": _common_time(files, clock, found)} | found
+        check_lengths(source.name, found)
+        note = f"{len(files)} files, whose rows belong together."
+    else:
+        tracks = {ours: _signal(*x, clocks[x[0]], units or {}) for ours, x in which.items()}
+        found = _at_position(source.name, tracks)
+        units = {k: v for k, v in (units or {}).items() if k.rpartition(".")[2] != "time"}
+        note = f"joined from {len(files)} files at the times of the position."
+    data = {name: found[name] for name in ("time_s", *wanted)}
+    prefix = f"{joint}." if joints_in(table) else ""
+    log = log_of(source, joint, data, prefix, {name: found[name] for name in more}, wrap, units)
+    return replace(log, notes=(f"{log.name}: {note}", *log.notes))
+
+
+def _signals_by_name(
+    clocks: Mapping[Path, str], mapping: Mapping[str, str]
+) -> dict[str, tuple[Path, str]]:
+    """File and column of each signal of files with times of their own, by the signal's name."""
+    tables = {file: [x for x in column_names(file) if x != own] for file, own in clocks.items()}
     places: dict[str, tuple[Path, str]] = {}
-    for file, (_, values) in tables.items():
+    for file, values in tables.items():
         for value in values:
-            alone = sum(value in others for _, others in tables.values()) == 1
+            alone = sum(value in others for others in tables.values()) == 1
             # a header of several files' is no name: "value"
             ours = alone and (value in mapping.values() or not _is_plain(value))
             name = value if ours or len(values) > 1 else file.stem
             if name in places:
                 raise LogError(f"{file.name}: {name!r} is in two files: rename a column or a file")
             places[name] = file, value
-    table = check_names(source.name, list(places), mapping) | {"time_s": "time_s"}
-    joint = joint_of(source.name, table, joint)
-    wanted = choose(source.name, table, joint)
-    wanted.pop("time_s")
-    more = choose_signals(source.name, table, joint, signals, wanted.values())
-    read = {
-        ours: _signal(*places[theirs], tables[places[theirs][0]][0], units or {})
-        for ours, theirs in (wanted | more).items()
-    }
-    position = next(read[name] for name in ("position_rad", "position_m") if name in read)
-    begin = max(float(time[0]) for time, _ in read.values())
-    end = min(float(time[-1]) for time, _ in read.values())
-    time = position[0][(position[0] >= begin) & (position[0] <= end)]
-    if len(time) < 2:
-        raise LogError(f"{source.name}: the files' times do not overlap: do they use one clock?")
-    on_time = {name: _at(time, *track, name in _HELD) for name, track in read.items()}
-    data = {"time_s": time} | {name: on_time[name] for name in wanted}
-    further = {name: on_time[name] for name in more}
-    prefix = f"{joint}." if joints_in(table) else ""
-    rest = {k: v for k, v in (units or {}).items() if k.rpartition(".")[2] != "time"}
-    log = log_of(source, joint, data, prefix, further, wrap, rest)
-    note = f"{log.name}: joined from {len(files)} files at the times of the position."
-    return replace(log, notes=(note, *log.notes))
+    return places
 
 
-def _read_rows(
-    files: Sequence[Path],
-    joint: str | None,
-    mapping: Mapping[str, str],
-    clock: str | None,
-    signals: Iterable[str],
-    wrap: float | None,
-    units: Mapping[str, str] | None,
-) -> JointLog:
-    """The log of files whose rows belong together."""
-    source = files[0].parent / (files[0].parent.name or files[0].stem)
+def _rows_by_name(files: Sequence[Path], mapping: Mapping[str, str]) -> dict[str, tuple[Path, str]]:
+    """File and column of each signal of files whose rows belong together, by its name."""
     places: dict[str, tuple[Path, str]] = {}
     for file in files:
         # the parts of its matrices that are asked for
@@ -120,29 +116,27 @@ def _read_rows(
                     f"{file.name}: {called!r} is in two files: rename an array or a file"
                 )
             places[called] = file, name
-    rate = sample_rate(clock or "")
-    owner = None if rate else next(file for file in files if _times(file, clock))
-    table = check_names(source.name, list(places), dict(mapping)) | {"time_s": "time_s"}
-    joint = joint_of(source.name, table, joint)
-    wanted = choose(source.name, table, joint)
-    wanted.pop("time_s")
-    further = choose_signals(source.name, table, joint, signals, wanted.values())
-    read = {}
-    for ours, theirs in (wanted | further).items():
-        file, name = places[theirs]
-        read[ours] = load_columns(file, [name], "")[name]
-    if owner is None:
-        time = np.arange(len(next(iter(read.values())))) / (rate or 1.0)
-    else:
-        stamp = _times(owner, clock)[0]
-        time = load_columns(owner, [stamp], stamp)[stamp]
-    check_lengths(source.name, {"time_s": time, **read})
-    data = {"time_s": time} | {name: read[name] for name in wanted}
-    prefix = f"{joint}." if joints_in(table) else ""
-    more = {name: read[name] for name in further}
-    log = log_of(source, joint, data, prefix, more, wrap, units)
-    note = f"{log.name}: {len(files)} files, whose rows belong together."
-    return replace(log, notes=(note, *log.notes))
+    return places
+
+
+def _common_time(files: Sequence[Path], clock: str | None, found: Mapping[str, Array]) -> Array:
+    """Times of files whose rows belong together: those of one file, or at a sample rate."""
+    if rate := sample_rate(clock or ""):
+        return np.arange(len(next(iter(found.values())))) / rate
+    owner, stamp = next((file, names[0]) for file in files if (names := _times(file, clock)))
+    return load_columns(owner, [stamp], stamp)[stamp]
+
+
+def _at_position(source: str, tracks: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
+    """Signals with times of their own, at the times of the position that all of them cover."""
+    position = next(tracks[name] for name in ("position_rad", "position_m") if name in tracks)
+    begin = max(float(time[0]) for time, _ in tracks.values())
+    end = min(float(time[-1]) for time, _ in tracks.values())
+    time = position[0][(position[0] >= begin) & (position[0] <= end)]
+    if len(time) < 2:
+        raise LogError(f"{source}: the files' times do not overlap: do they use one clock?")
+    found = {name: _at(time, *track, name in _HELD) for name, track in tracks.items()}
+    return {"time_s": time} | found
 
 
 def _times(file: Path, clock: str | None) -> list[str]:
@@ -159,8 +153,8 @@ def _is_plain(name: str) -> bool:
     return name.strip().lower() in ("value", "values", "data", "y", "signal", "")
 
 
-def _values(file: Path, clock: str | None) -> tuple[str, list[str]]:
-    """Name of the column of times of a file, and those of its values."""
+def _clock(file: Path, clock: str | None) -> str:
+    """Name of the column of times of a file."""
     names = column_names(file)
     times = _times(file, clock) or _times(file, None)
     if len(times) != 1 or len(names) < 2:
@@ -168,7 +162,7 @@ def _values(file: Path, clock: str | None) -> tuple[str, list[str]]:
             f"{file.name}: no column of times among {', '.join(names)}: name it with --column "
             "time_s=NAME"
         )
-    return times[0], [name for name in names if name != times[0]]
+    return times[0]
 
 
 def _signal(file: Path, value: str, clock: str, units: Mapping[str, str]) -> tuple[Array, Array]:
