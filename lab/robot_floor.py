@@ -55,7 +55,7 @@ def rows(prepared, body, names):
         v = segment.signals[:, V]
         shafts = [shaft(along, *pair, c) for pair in itertools.pairwise(names) for c in (1.0, -1.0)]
         bodies = [along.bodies(b) for b in range(1, body.model.nbody)]
-        common.append(kept(segment, np.column_stack([*bodies, *shafts])))
+        common.append(np.column_stack([*bodies, *shafts]))
         root = direction(v) * np.sqrt(np.abs(v))
         friction = [along.acceleration, np.ones_like(v), direction(v), v, root]
         own.append(kept(segment, np.column_stack(friction)))
@@ -67,7 +67,7 @@ def rows(prepared, body, names):
 def shaft(along, one, other, ratio):
     """Columns of a shaft that turns with two joints, concave friction up to its top speed."""
     v = along.motion(one)[1] + ratio * along.motion(other)[1]
-    return along.shaft(Shaft((one, other), ratio, float(np.abs(v).max())))
+    return along.kept_shaft(Shaft((one, other), ratio, float(np.abs(v).max())))
 
 
 def solved(X, y):

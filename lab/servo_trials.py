@@ -49,9 +49,8 @@ DRAWS = 200
 def trial(kind: str, servo: Servo, bands: bool) -> dict[str, Any]:
     """What was hidden, named and measured of one servo."""
     bodies = Bodies(servo.mjcf, JOINT, None)
-    report, trace, _ = explain(
-        servo.fitted, servo.kept, bodies, controller=servo.controller, refine=False
-    )
+    analysis = explain(servo.fitted, servo.kept, bodies, controller=servo.controller, refine=False)
+    report, trace = analysis.report, analysis.trace
     drive = {a.effect: a.parameters for a in report.added if a.effect in OF_DRIVE}
     name, number = KINDS[kind]
     found = {n: p[number].value for n, p in drive.items() if n == name}

@@ -1,9 +1,5 @@
 """The paired interval of an error's increase: narrow for what both have, honest about blocks."""
 
-from functools import partial
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -55,17 +51,15 @@ def test_runs_are_blocks():
     assert low < 0.0 < high
 
 
-def test_a_log_that_is_simulated_whole_is_compared_along_its_time(monkeypatch):
-    def of_log(fitted: Replay, *_: object) -> tuple[None, Replay]:
-        return None, fitted
+def test_a_log_that_is_simulated_whole_is_compared_along_its_time():
+    def increase(errors: np.ndarray) -> tuple[float, float]:
+        first, then = (Replay((x,), 10.0) for x in (before, errors))
+        return explain._replay_increase((first, first), (then, then))
 
-    monkeypatch.setattr(explain, "_replays", of_log)
-    task: Any = SimpleNamespace(user=None, corrected=True)
     before = slow_noise(np.random.default_rng(3))
-    increase = partial(explain._replay_increase, Replay((before,), 10.0), task=task)
-    low, high = increase(Replay((1.2 * before,), 10.0))
+    low, high = increase(1.2 * before)
     assert 0.0 < low < 0.2 < high
-    low, high = increase(Replay((slow_noise(np.random.default_rng(4)),), 10.0))
+    low, high = increase(slow_noise(np.random.default_rng(4)))
     assert low < 0.0 < high
 
 

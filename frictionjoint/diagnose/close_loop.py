@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +65,7 @@ from frictionjoint.refine.refined_model import RefinedModel, refined_in_windows
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import found_controller
 from frictionjoint.replay.free_runs import (
+    Replay,
     friction_spec,
     replay,
     replay_rms,
@@ -83,6 +84,24 @@ _NO_REPLAY = [Rms(None, None), Rms(None, None)]
 
 
 LogLike = JointLog | str | Path
+# free runs on fitted and on held-out logs
+Runs = tuple[Replay, Replay | None]
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Outcome of one joint.
+
+    Attributes:
+        simulated: the fit that the model contains. kept_back: held-out logs, weighted by the final
+            fit. runs: of the first and of the final fit; None without a torque scale.
+    """
+
+    report: Report
+    trace: Trace
+    simulated: Fit
+    kept_back: Prepared | None
+    runs: tuple[Runs | None, Runs | None]
 
 
 @one_thread
@@ -130,7 +149,7 @@ def close_loop(
     logs, held_out = _fitted_and_held_out(logs, held_out, joint)
     for log in logs:
         require_motion(f"{log.name}, {joint}", log.position)
-    report = explain(logs, held_out, bodies, seed, progress, law, known, refine)[0]
+    report = explain(logs, held_out, bodies, seed, progress, law, known, refine).report
     progress("comparing the recordings")
     recordings = [*logs, *([] if split else held_out)]
     # the model of the report has the load of the first log
@@ -152,8 +171,8 @@ def explain(
     law: str | None = None,
     controller: Controller | None = None,
     refine: bool | None = None,
-) -> tuple[Report, Trace, Fit]:
-    """Report, findings and final fit for logs that have been read.
+) -> Analysis:
+    """Report and findings for logs that have been read.
 
     Args:
         held_out: may be empty. bodies: the model around the joint. Others: see `close_loop`.
@@ -290,7 +309,9 @@ def explain(
         ),
         positions=positions,
     )
-    return report, found, best if scaled else found.final
+    before_and_after = (runs[0], runs[1]) if runs else (None, None)
+    simulated = best if scaled else found.final
+    return Analysis(report, found, simulated, kept_moving, before_and_after)
 
 
 def _fitted_and_held_out(

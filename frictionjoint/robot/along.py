@@ -1,14 +1,18 @@
-"""One joint along one prepared log: its rigid-body torque, and how corrections change it."""
+"""One joint along one prepared log: its rigid-body torque, and how corrections change it.
+
+The torque is linear in the parameters of bodies, rotors and shafts, so its columns are filtered and
+decimated once, and any change of corrections is a sum of them.
+"""
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
+from frictionjoint.identify.design import kept
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Segment
 from frictionjoint.robot.corrections import Corrections, Shaft, direction, levelling
@@ -21,7 +25,7 @@ _STEP = 1e-5
 
 @dataclass(frozen=True)
 class Along:
-    """Torque columns of one joint over the whole grid of one log.
+    """Torque of one joint along one log, and its derivatives on the kept samples.
 
     Attributes:
         body: the model around the joint. original: the log as prepared with that model.
@@ -40,10 +44,13 @@ class Along:
         """The columns with other corrections."""
         found = replace(self, state=state)
         # what does not depend on what changed is not made again
-        kept = ["tree", "dof", "_believed"]
+        same = ["tree", "dof", "_believed", "_others", "rate"]
         if self.state.moves_alike(state):
-            kept += ["regressor", "_turned"]
-        found.__dict__.update({k: self.__dict__[k] for k in kept if k in self.__dict__})
+            same += ["regressor", "_bodies", "_turned", "_shafts"]
+            bodies = [(b, self.state.phi[b].tobytes()) for b in self.tree.beyond[self.dof]]
+            torques = self._torques
+            found._torques.update({key: torques[key] for key in bodies if key in torques})
+        found.__dict__.update({k: self.__dict__[k] for k in same if k in self.__dict__})
         return found
 
     @cached_property
@@ -68,38 +75,59 @@ class Along:
 
     @cached_property
     def torque(self) -> Array:
-        """Torque of all corrected bodies, shape (n,)."""
-        return self.regressor.torque(self.dof, self.state.phi)
+        """Torque of all corrected bodies over the whole grid, shape (n,)."""
+        found = np.zeros(len(self.original.signals))
+        for b in self.tree.beyond[self.dof]:
+            phi = self.state.phi[b]
+            key = b, phi.tobytes()
+            if key not in self._torques:
+                self._torques[key] = self.regressor.torque_of(b, self.dof, phi)
+            found += self._torques[key]
+        return found
+
+    @cached_property
+    def _torques(self) -> dict[tuple[int, bytes], Array]:
+        """Torque of each body by its parameters, shape (n,)."""
+        return {}
 
     def bodies(self, body: int) -> Array:
-        """Torque per unit of a body's ten parameters, shape (n, 10)."""
-        return self.regressor.body(body, self.dof)
+        """Torque per unit of a body's ten parameters, shape (k, 10)."""
+        if body not in self._bodies:
+            self._bodies[body] = kept(self.original, self.regressor.body(body, self.dof))
+        return self._bodies[body]
+
+    @cached_property
+    def _bodies(self) -> dict[int, Array]:
+        return {}
 
     @cached_property
     def gravity(self) -> Array:
-        """Torque per m/s^2 of gravity along x, y and z, shape (n, 3)."""
-        return self.regressor.gravity_columns(self.dof, self.state.phi)
+        """Torque per m/s^2 of gravity along x, y and z, shape (k, 3)."""
+        return kept(self.original, self.regressor.gravity_columns(self.dof, self.state.phi))
 
     def offset(self, joint: str) -> Array:
-        """Torque per rad (m) of a joint's zero, shape (n,)."""
+        """Torque per rad (m) of a joint's zero, shape (k,)."""
+        beyond = self.tree.beyond[self.dof]
         if joint not in self._turned:
             moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + _STEP}
-            further = self._all_bodies(self._regressor(moved)) - self._all_bodies(self.regressor)
-            # a difference over so small a step has no more digits
-            self._turned[joint] = (further / _STEP).astype(np.float32)
-        beyond = self.tree.beyond[self.dof]
-        return np.asarray(self._turned[joint] @ self.state.phi[beyond].ravel())
+            other = self._regressor(moved)
+            self._turned[joint] = [
+                (kept(self.original, other.body(b, self.dof)) - self.bodies(b)) / _STEP
+                for b in beyond
+            ]
+        columns = self._turned[joint]
+        found = np.zeros(len(self.rate))
+        for b, x in zip(beyond, columns, strict=True):
+            found += x @ self.state.phi[b]
+        return found
 
     @cached_property
-    def _turned(self) -> dict[str, NDArray[np.float32]]:
-        """Change of the columns of all bodies beyond the joint per rad (m) of its zero."""
+    def _turned(self) -> dict[str, list[Array]]:
+        """Change of the columns of the bodies beyond the joint per rad (m) of a joint's zero."""
         return {}
 
-    def _all_bodies(self, regressor: Regressor) -> Array:
-        return np.hstack([regressor.body(b, self.dof) for b in self.tree.beyond[self.dof]])
-
     def shaft(self, shaft: Shaft) -> Array:
-        """Torque per unit of a shaft's parameters, shape (n, 6)."""
+        """Torque per unit of a shaft's parameters over the whole grid, shape (n, 6)."""
         turn, v, a = self.turn(shaft)
         way, angle = direction(v), shaft.waves * turn
         wave = [way * np.sin(angle), way * np.cos(angle)]
@@ -112,9 +140,18 @@ class Along:
         turn, v, a = (x + shaft.ratio * y for x, y in zip(first, second, strict=True))
         return turn, v, a
 
+    def kept_shaft(self, shaft: Shaft) -> Array:
+        """Torque per unit of a shaft's parameters, shape (k, 6)."""
+        return kept(self.original, self.shaft(shaft))
+
+    @cached_property
+    def _shafts(self) -> dict[Shaft, Array]:
+        """Columns of shafts by what determines them."""
+        return {}
+
     def linear(self, before: Corrections, after: Corrections) -> Array:
-        """Change of torque between two corrections near this state, to first order, (n,)."""
-        found = np.zeros(len(self.original.signals))
+        """Change of torque between two corrections near this state, to first order, (k,)."""
+        found = np.zeros(len(self.rate))
         bodies = np.flatnonzero(np.any(after.phi != before.phi, axis=1))
         for b in set(bodies.tolist()) & set(self.tree.beyond[self.dof]):
             found += self.bodies(b) @ (after.phi[b] - before.phi[b])
@@ -122,7 +159,7 @@ class Along:
         if np.any(turn):
             found += self.gravity @ turn
         own = self.body.joint
-        found += self.acceleration * (after.armature.get(own, 0.0) - before.armature.get(own, 0.0))
+        found += self.rate * (after.armature.get(own, 0.0) - before.armature.get(own, 0.0))
         for name in after.offset:
             change = after.offset[name] - before.offset.get(name, 0.0)
             if change:
@@ -130,7 +167,10 @@ class Along:
         for shaft, other in zip(after.shafts, before.shafts, strict=True):
             step = shaft.numbers - other.numbers
             if np.any(step):
-                found += self.shaft(shaft) @ step
+                bare = Shaft(shaft.joints, shaft.ratio, shaft.top, waves=shaft.waves)
+                if bare not in self._shafts:
+                    self._shafts[bare] = self.kept_shaft(bare)
+                found += self._shafts[bare] @ step
         return found
 
     @property
@@ -138,18 +178,35 @@ class Along:
         """Acceleration of the joint, shape (n,)."""
         return self.original.signals[:, A]
 
+    @cached_property
+    def rate(self) -> Array:
+        """Acceleration of the joint on the kept samples, shape (k,)."""
+        return kept(self.original, self.acceleration[:, None])[:, 0]
+
     def segment(self, like: Segment) -> Segment:
         """A log with the load of the corrected model.
 
         Args:
             like: the same log with its present weights.
         """
+        return self._loaded(like, self.change(), self._armature)
+
+    def other(self, state: Corrections) -> Segment:
+        """The log with the load under other corrections, where `original` has that under these."""
+        found = self.corrected(state)
+        change = found.change() - self.change()
+        return self._loaded(self.original, change, found._armature - self._armature)
+
+    def _loaded(self, like: Segment, change: Array, armature: float) -> Segment:
+        """A log with a change of the original's load, without and with the joint's own rotor."""
         signals = like.signals.copy()
-        change = self.change()
-        rotor = self.state.armature.get(self.body.joint, 0.0) * self.acceleration
-        signals[:, LOAD] = self.original.signals[:, LOAD] + change + rotor
+        signals[:, LOAD] = self.original.signals[:, LOAD] + change + armature * self.acceleration
         signals[:, GEAR] = self.original.signals[:, GEAR] + change
         return replace(like, signals=signals, driven_along=None)
+
+    @property
+    def _armature(self) -> float:
+        return self.state.armature.get(self.body.joint, 0.0)
 
     def change(self) -> Array:
         """Torque that the corrections add to the model, without the joint's own rotor, (n,)."""

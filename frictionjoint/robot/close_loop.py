@@ -149,14 +149,16 @@ def _first(task: Task) -> FittedJoint | str:
 def _with_causes(
     tasks: list[Task], fitted: Mapping[str, FittedJoint], shared: Shared, model: str | Path
 ) -> list[Task]:
-    """Tasks with the corrected model, and with the models without each cause."""
+    """Tasks with the corrected model, and with the corrections without each cause."""
     found = shared.settled.found
     corrected = _state(model, found)
-    without = {i: _state(model, found.without(i)) for i in range(len(found.causes))}
+    without = {i: found.without(i).state for i in range(len(found.causes))}
     return [
         replace(
             task,
             corrected=corrected,
+            corrections=found.state,
+            original=found.original,
             without={
                 i: state
                 for i, state in without.items()

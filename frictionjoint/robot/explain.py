@@ -8,15 +8,13 @@ import numpy as np
 
 from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
-from frictionjoint.diagnose.close_loop import explain
+from frictionjoint.diagnose.close_loop import Runs, explain
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.kept_back import prepare_kept_back
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.intervals import stated_covariance
-from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rms import Rms
@@ -25,14 +23,14 @@ from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.start import predict, settled
-from frictionjoint.identify.weights import Errors, errors_elsewhere, errors_of, weighted
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.in_report import with_recordings
-from frictionjoint.replay.free_runs import Replay, replay, replay_rms
+from frictionjoint.replay.free_runs import replay, replay_rms
 from frictionjoint.replay.loops import Loops
 from frictionjoint.report.robot_report import Interval, JointResult
+from frictionjoint.robot.along import Along
 from frictionjoint.robot.body import CorrectedBody
-from frictionjoint.robot.corrections import Shaft
+from frictionjoint.robot.corrections import Corrections, Shaft
 from frictionjoint.robot.paired import error_increase, replay_increase
 from frictionjoint.robot.torsion import torsion
 
@@ -56,8 +54,9 @@ class Task:
     """Input of a process that analyses one joint.
 
     Attributes:
-        user: the user's model. corrected: with all shared causes; without: with all but one of
-            those that act on this joint, by index.
+        user: the user's model. corrected: with all shared causes.
+        original, corrections: of the user's model and of the corrected one. without: those with all
+            but one of the causes that act on this joint, by index.
         shape: of the law fitted with the user's model. controller: for logs without a torque.
         refine: see `diagnose.close_loop`.
     """
@@ -70,7 +69,9 @@ class Task:
     seed: int
     law: str | None
     corrected: State | None = None
-    without: Mapping[int, State] = field(default_factory=dict)
+    original: Corrections | None = None
+    corrections: Corrections | None = None
+    without: Mapping[int, Corrections] = field(default_factory=dict)
     shape: Shape | None = None
     controller: Controller | None = None
     refine: bool | None = None
@@ -119,7 +120,7 @@ def explain_joint(task: Task) -> Explained | str:
 def _explained(task: Task) -> Explained:
     assert task.corrected is not None
     body = task.corrected.body(task.joint, task.fixed)
-    report, trace, simulated = explain(
+    found = explain(
         task.logs,
         task.held_out,
         Bodies.one(body),
@@ -128,56 +129,54 @@ def _explained(task: Task) -> Explained:
         controller=task.controller,
         refine=task.refine,
     )
-    report = with_recordings(report, task.logs, task.fixed)
-    final = stated_covariance(trace.prepared, trace.final)
-    left = errors_elsewhere(trace.prepared, trace.final, final)
-    kept_back = _kept_back(task, body, trace, left)
-    after = Fitted(trace.prepared, kept_back, trace.final)
+    trace, report = found.trace, with_recordings(found.report, task.logs, task.fixed)
+    after = Fitted(trace.prepared, found.kept_back, trace.final)
     if task.corrected == task.user:
-        before, base = Fitted(trace.prepared, kept_back, trace.base), trace.base
+        before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
         torque, place = report.before_torque, report.before_replay
     else:
-        before = _law_alone(task, task.user, trace, left)
-        base = before.fit
-        torque, place = _torque(before, trace), _replay(before, task)
-    cov = stated_covariance(before.prepared, base)
+        assert task.original is not None
+        before = _law_alone(task, task.original, after, trace)
+        runs = _replays(before, task)
+        torque, place = _torque(before, trace), replay_rms(*runs) if runs else Rms(None, None)
+    cov = stated_covariance(before.prepared, before.fit)
     increase = {}
     if report.after_torque.worse_than(torque):
         increase["torque_rms"] = _torque_increase(before, after)
     if report.after_replay.worse_than(place):
-        increase["replay_rms"] = _replay_increase(before, replace(after, fit=simulated), task)
+        increase["replay_rms"] = _replay_increase(runs, found.runs[1])
     result = JointResult(
         report=report,
-        base=law_estimates(base, cov, body.slide),
-        law=law_parameters(base).law,
+        base=law_estimates(before.fit, cov, body.slide),
+        law=law_parameters(before.fit).law,
         before_torque=torque,
         before_replay=place,
         increase=increase,
         torsion=torsion(task.logs, trace.prepared),
     )
     without = {
-        i: _torque(_law_alone(task, state, trace, left), trace) for i, state in task.without.items()
+        i: _torque(_law_alone(task, state, after, trace), trace)
+        for i, state in task.without.items()
     }
-    return Explained(result, before, after, simulated, without, report.before_torque)
+    return Explained(result, before, after, found.simulated, without, report.before_torque)
 
 
-def _kept_back(task: Task, body: RigidBody, trace: Trace, left: Errors) -> Prepared | None:
-    """Held-out logs, weighted by the residual that the final fit is expected to have on them."""
-    if not task.held_out:
-        return None
-    prepared = prepare_kept_back(task.held_out, body, trace.prepared.band, task.controller)
-    return weighted(prepared, trace.final, left)
-
-
-def _law_alone(task: Task, state: State, trace: Trace, left: Errors) -> Fitted:
-    """The law fitted with another model, on the same samples with the same weights."""
+def _law_alone(task: Task, state: Corrections, after: Fitted, trace: Trace) -> Fitted:
+    """The law fitted under other corrections, on the same samples with the same weights."""
     assert task.shape is not None
-    body = state.body(task.joint, task.fixed)
-    prepared = prepare(list(task.logs), body, trace.prepared.band, task.controller)
-    prepared = weighted(prepared, trace.final, errors_of(trace.prepared, trace.final))
+    prepared = _under(task, state, after.prepared)
     fits = [refit(prepared, (), shape) for shape in (task.shape, trace.base.shape)]
     prepared, best = settled(prepared, best_of(fits, lambda f: f.drive_rms))
-    return Fitted(prepared, _kept_back(task, body, trace, left), best)
+    kept_back = after.kept_back and _under(task, state, after.kept_back)
+    return Fitted(prepared, kept_back, best)
+
+
+def _under(task: Task, state: Corrections, prepared: Prepared) -> Prepared:
+    """The logs with the load under other corrections."""
+    assert task.corrections is not None
+    body = task.user.body(task.joint, task.fixed)
+    alongs = (Along(body, s, task.corrections) for s in prepared.segments)
+    return replace(prepared, segments=tuple(a.other(state) for a in alongs))
 
 
 def _torque(fitted: Fitted, trace: Trace) -> Rms:
@@ -203,15 +202,12 @@ def _torque_increase(before: Fitted, after: Fitted) -> Interval:
     return error_increase(one.error[both] * gain, other.error[both], log_index[both])
 
 
-def _replay(fitted: Fitted, task: Task) -> Rms:
+def _replays(fitted: Fitted, task: Task) -> Runs | None:
+    """Free runs with the user's model, as in the joint's own report: from the target if there is a
+    controller; None without a torque scale."""
     if fitted.fit.in_drive_units:
-        return Rms(None, None)
-    return replay_rms(*_replays(fitted, task.user, task))
-
-
-def _replays(fitted: Fitted, state: State, task: Task) -> tuple[Replay, Replay | None]:
-    """Free runs as in the joint's own report: from the target if there is a controller."""
-    body = state.body(task.joint, task.fixed)
+        return None
+    body = task.user.body(task.joint, task.fixed)
     if task.controller:
         pairs = [(logs, [body] * len(logs)) for logs in (task.logs, task.held_out)]
         if loops := Loops.of(pairs, task.controller):
@@ -220,13 +216,11 @@ def _replays(fitted: Fitted, state: State, task: Task) -> tuple[Replay, Replay |
     return replay(fitted.prepared, body, fitted.fit), held
 
 
-def _replay_increase(before: Fitted, after: Fitted, task: Task) -> Interval:
+def _replay_increase(before: Runs | None, after: Runs | None) -> Interval:
     """Increase of the error of held-out free runs, run by run."""
-    assert task.corrected
-    one, other = (
-        _replays(fitted, state, task)[1]
-        for fitted, state in ((before, task.user), (after, task.corrected))
-    )
+    assert before
+    assert after
+    one, other = before[1], after[1]
     assert one
     assert other
     if len(one.runs) > len(one.errors):

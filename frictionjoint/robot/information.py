@@ -15,7 +15,7 @@ from scipy.linalg import qr
 from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse, without
-from frictionjoint.identify.design import kept, lengths
+from frictionjoint.identify.design import lengths
 from frictionjoint.robot.causes.catalogue import body_label, rigid_links
 from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.inertia import NAMES
@@ -120,11 +120,10 @@ def information(joints: Sequence[FittedJoint], moving: Sequence[str]) -> Informa
     G = np.zeros((len(parameters),) * 2)
     for i, joint in enumerate(joints):
         rows = []
-        for along, segment in zip(joint.alongs, joint.prepared.segments, strict=True):
-            columns = [along.bodies(b) for b in bodies]
-            rotors = np.zeros((len(along.acceleration), len(joints)))
-            rotors[:, i] = along.acceleration
-            rows.append(kept(segment, np.column_stack([*columns, rotors])))
+        for along in joint.alongs:
+            rotors = np.zeros((len(along.rate), len(joints)))
+            rotors[:, i] = along.rate
+            rows.append(np.column_stack([*(along.bodies(b) for b in bodies), rotors]))
         X = np.concatenate(rows) * (joint.fit.weight / joint.left)[:, None]
         G += gram_without(X * [p.size for p in parameters], law_columns(joint))
     return Information(parameters, G)

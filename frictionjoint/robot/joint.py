@@ -8,7 +8,6 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
-from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import check_signs
 from frictionjoint.identify.held import Pose
@@ -74,12 +73,10 @@ class FittedJoint:
         """
         if not pairs:
             return np.zeros((len(self.fit.residual), 0))
-        rows = []
-        for along, segment in zip(self.alongs, self.prepared.segments, strict=True):
-            found = np.zeros((len(segment.signals), len(pairs)))
-            for k, (low, high, apart) in enumerate(pairs):
-                found[:, k] = along.linear(low, high) / apart
-            rows.append(kept(segment, found))
+        rows = [
+            np.column_stack([along.linear(low, high) / apart for low, high, apart in pairs])
+            for along in self.alongs
+        ]
         return np.concatenate(rows)
 
     def corrected(self, state: Corrections) -> "FittedJoint":
@@ -87,6 +84,10 @@ class FittedJoint:
         alongs = tuple(a.corrected(state) for a in self.alongs)
         before = self.prepared.segments
         segments = tuple(a.segment(s) for a, s in zip(alongs, before, strict=True))
+        for segment, along, own in zip(segments, self.alongs, before, strict=True):
+            if along.state.moves_alike(state):  # then the change is linear
+                load = own.balanced_load + along.linear(along.state, state)
+                segment.__dict__["balanced_load"] = load
         grown = np.concatenate(
             [a.balanced_load - b.balanced_load for a, b in zip(segments, before, strict=True)]
         )

@@ -26,19 +26,15 @@ class Regressor:
         self.gravity = np.array(tree.model.opt.gravity if gravity is None else gravity)
         self.frames, self.dofs = tree.along(trajectory)
         self._motions: dict[int, _Motion] = {}
-        self._columns: dict[tuple[int, int], Array] = {}
 
     def body(self, body: int, dof: int) -> Array:
         """Torque at a degree of freedom per unit of a body's ten parameters, shape (n, 10)."""
         if body not in self.tree.beyond[dof]:
             return np.zeros((len(self.trajectory), TEN))
-        key = body, dof
-        if key not in self._columns:
-            if body not in self._motions:
-                self._motions[body] = _motion(self.frames[body], self._felt(body))
-            found = _component(self.dofs[dof], self.frames[body], self._motions[body])
-            self._columns[key] = np.ascontiguousarray(found.T)
-        return self._columns[key]
+        if body not in self._motions:
+            self._motions[body] = _motion(self.frames[body], self._felt(body))
+        found = _component(self.dofs[dof], self.frames[body], self._motions[body])
+        return np.ascontiguousarray(found.T)
 
     def bodies(self, dof: int) -> Array:
         """Columns of all bodies in order, the world's first, shape (n, 10 nbody)."""
@@ -53,13 +49,17 @@ class Regressor:
         phi = of_model(self.tree.model) if phi is None else phi
         found = np.zeros(len(self.trajectory))
         for b in self.tree.beyond[dof]:
-            frame = self.frames[b]
-            force, moment = _loads(frame, self._felt(b), phi[b])
-            axis, point = self.dofs[dof].axis, self.dofs[dof].point
-            if point is not None:
-                force = moment + cross(frame.p - point, force)
-            found += np.sum(axis * force, axis=0)
+            found += self.torque_of(b, dof, phi[b])
         return found
+
+    def torque_of(self, body: int, dof: int, phi: Array) -> Array:
+        """Torque of one body with ten parameters at a degree of freedom before it, shape (n,)."""
+        frame = self.frames[body]
+        force, moment = _loads(frame, self._felt(body), phi)
+        axis, point = self.dofs[dof].axis, self.dofs[dof].point
+        if point is not None:
+            force = moment + cross(frame.p - point, force)
+        return np.asarray(np.sum(axis * force, axis=0))
 
     def gravity_columns(self, dof: int, phi: Array | None = None) -> Array:
         """Torque at a degree of freedom per m/s^2 of gravity along x, y and z, shape (n, 3).

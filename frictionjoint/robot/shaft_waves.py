@@ -54,8 +54,7 @@ class _Part:
     def wave(self, waves: float) -> Array:
         """Columns of sine and cosine, the law projected out, shape (n, 2)."""
         shaft = replace(self.shaft, waves=waves)
-        pairs = zip(self.joint.alongs, self.joint.prepared.segments, strict=True)
-        X = np.concatenate([kept(s, a.shaft(shaft)[:, -2:]) for a, s in pairs])
+        X = np.concatenate([a.kept_shaft(shaft)[:, -2:] for a in self.joint.alongs])
         X = X * self.unit[:, None]
         return np.asarray(X - self.base @ (self.base.T @ X))
 

@@ -118,8 +118,9 @@ def test_logs_whose_load_a_delay_hides_are_simulated_all_the_same():
         for kps, motion in (((0.6, 1.7), (steps, swept)), ((1.0,), (sines,)))
     )
     bodies = Bodies(PLANT.format(""), "j", None)
-    report, found, _ = explain(fit, kept, bodies, controller=KNOWN, refine=False)
-    assert found.final.gain == pytest.approx(KT, rel=0.05)
+    found = explain(fit, kept, bodies, controller=KNOWN, refine=False)
+    report = found.report
+    assert found.trace.final.gain == pytest.approx(KT, rel=0.05)
     assert report.closed_loops is not None
     before, after = (loops.mae.held_out for loops in report.closed_loops)
     assert after < 0.1 * before
