@@ -1,14 +1,15 @@
 """How often the intervals over recordings of simulated fleets contain the fleet's mean.
 
-    python lab/fleets.py [--fleets 40] [--seed 0]
+    python lab/fleets.py [--fleets 8] [--seed 0 --seed 1 ...] [--spread 0 --spread 0.05 ...]
 
 A fleet is six recordings of one kind of joint, simulated here by the LuGre equations and nothing of
 the package; Coulomb and viscous friction differ between recordings by a normal deviate. The package
 estimates each recording from the nominal joint (`recordings.estimate`) and the mean of the fleet
 with its 95% interval (`recordings.between`). Intervals should contain the mean in 90 to 98% of the
 fleets, whatever the spread. Told: fleets of which the package says, at a level of 5%, that their
-recordings differ. The law is the one of the simulation: these figures are of the intervals, not of
-what a wrong law does to a number.
+recordings differ; for fleets without a spread also how often `drift` calls a number of a single
+recording changed, which should be 5% at most. The law is the one of the simulation: these figures
+are of the intervals, not of what a wrong law does to a number.
 """
 
 import argparse
@@ -19,6 +20,7 @@ import numpy as np
 from frictionjoint.files import toml_document
 from frictionjoint.measured import JointLog
 from frictionjoint.recordings.between import over
+from frictionjoint.recordings.drift import judged
 from frictionjoint.recordings.estimate import Known, estimate
 from frictionjoint.refine.posterior import numbers_in
 from frictionjoint.rivals import LuGreParameters
@@ -58,12 +60,16 @@ def nominal():
     return Known(spec.to_xml(), "elbow", content, cov)
 
 
-def simulated(rng, coulomb, viscous):
-    """Logs of joints with these numbers, shape (n,) each."""
-    n = len(coulomb)
+def simulated(rngs, coulomb, viscous):
+    """Logs of joints with these numbers, shape (seeds, n) each; one generator per seed."""
+    shape = (5, coulomb.shape[1])
+    drawn = [
+        [rng.uniform(*ends, shape) for ends in ((2.0, 12.0), (0.2, 0.4), (0, 6))] for rng in rngs
+    ]
+    wave = [np.concatenate(x, axis=1) for x in zip(*drawn, strict=True)]
+    coulomb, viscous = coulomb.ravel(), viscous.ravel()
     time = STEP * np.arange(int(SECONDS / STEP))
-    wave = rng.uniform(2.0, 12.0, (5, n)), rng.uniform(0.2, 0.4, (5, n)), rng.uniform(0, 6, (5, n))
-    q, v, z = np.zeros(n), np.zeros(n), np.zeros(n)
+    q, v, z = (np.zeros(len(coulomb)) for _ in range(3))
     positions, torques = [], []
     for k, t in enumerate(time):
         gravity = -MASS * 9.81 * ARM * np.cos(q)
@@ -77,9 +83,9 @@ def simulated(rng, coulomb, viscous):
         z = z + STEP * rate
         v = v + STEP / INERTIA * (torque - gravity - friction)
         q = q + STEP * v
-    for i in range(n):
-        position = np.array(positions)[:, i]
-        torque = np.array(torques)[:, i]
+    kept = np.array(positions).T, np.array(torques).T
+    for i, (position, torque) in enumerate(zip(*kept, strict=True)):
+        rng = rngs[i // shape[1]]
         yield JointLog(
             name=f"recording {i}",
             joint="elbow",
@@ -92,33 +98,33 @@ def simulated(rng, coulomb, viscous):
 def main():
     """Run and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--fleets", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--fleets", type=int, default=8, help="per seed")
+    parser.add_argument("--seed", type=int, action="append")
+    parser.add_argument("--spread", type=float, action="append")
     asked = parser.parse_args()
-    known, rng = nominal(), np.random.default_rng(asked.seed)
-    true = {"Fc": COULOMB, "sigma2": VISCOUS}
-    print(
-        "| number | spread between recordings | fleets | mean inside | told | spread stated, mean |"
-    )
+    known, rngs = nominal(), [np.random.default_rng(seed) for seed in asked.seed or [0]]
+    print("| number | spread between recordings | fleets | mean inside | told | spread, mean |")
     print("|---|---|---|---|---|---|")
-    for spread in SPREADS:
-        each = 1.0 + spread * rng.standard_normal((2, asked.fleets * RECORDINGS))
-        logs = list(simulated(rng, COULOMB * each[0], VISCOUS * each[1]))
+    for spread in asked.spread or SPREADS:
+        size = (2, asked.fleets * RECORDINGS)
+        each = 1.0 + spread * np.stack([rng.standard_normal(size) for rng in rngs], axis=1)
+        logs = simulated(rngs, COULOMB * each[0], VISCOUS * each[1])
         found = [estimate(known, log) for log in logs]
-        for name, value in true.items():
-            inside, told, stated = [], [], []
-            for f in range(asked.fleets):
-                own = found[f * RECORDINGS : (f + 1) * RECORDINGS]
-                i = [n.name for n in own[0].numbers].index(name)
-                between = over(own, i)
-                inside.append(between.interval[0] < value < between.interval[1])
-                told.append(between.p_value < LEVEL)
-                stated.append(between.deviation / value)
+        fleets = [found[i : i + RECORDINGS] for i in range(0, len(found), RECORDINGS)]
+        for name, value in {"Fc": COULOMB, "sigma2": VISCOUS}.items():
+            i = [number.name for number in known.numbers].index(name)
+            over_each = [over(own, i) for own in fleets]
+            inside = np.mean([x.interval[0] < value < x.interval[1] for x in over_each])
+            told = np.mean([x.p_value < LEVEL for x in over_each])
+            stated = np.mean([x.deviation for x in over_each]) / value
             print(
-                f"| {name} | {spread:.0%} | {asked.fleets} | {np.mean(inside):.0%} | "
-                f"{np.mean(told):.0%} | {np.mean(stated):.1%} |",
+                f"| {name} | {spread:.0%} | {len(fleets)} | {inside:.0%} | {told:.0%} | "
+                f"{stated:.1%} |",
                 flush=True,
             )
+        if not spread:
+            alarms = [any(x.state == "changed" for x in judged(known, [one])) for one in found]
+            print(f"drift: {np.mean(alarms):.1%} of {len(found)} recordings", flush=True)
 
 
 if __name__ == "__main__":

@@ -82,7 +82,11 @@ def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
     Raises:
         LogError: see `estimate`.
     """
-    found = [estimate(known, log) for log in logs]
+    return judged(known, [estimate(known, log) for log in logs])
+
+
+def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
+    """The same for the estimates of new logs."""
     rows = []
     for i, (number, before, error) in enumerate(
         zip(known.numbers, known.values, known.stderr, strict=True)
