@@ -71,6 +71,12 @@ def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
                if "smallest effect" in n)  # fmt: skip
     assert "too short" not in note
     assert 0.0 < found.sight.torque < 0.1 * PLANT.friction.Fc
+    # what the law imitates has to be larger than what it cannot
+    sizes = {x.name: x for x in found.sight.of_each}
+    assert sizes["torque-bias"].least < 2.0 * found.sight.torque
+    assert sizes["torque-bias"].most < 0.5 * sizes["nonlinear-viscous"].most
+    assert all(x.least <= x.most for x in sizes.values())
+    assert f"torque-bias {sizes['torque-bias'].least:.2g}" in note
 
 
 def named_by_its_quantity(folder, effect, quantity, said):

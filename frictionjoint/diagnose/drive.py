@@ -22,7 +22,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit, timed
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import DriveTerm, Term, all_but, in_place
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, all_but, in_place
 from frictionjoint.threads import side_by_side
 
 # samples of the coarse fits, starts of each form of an effect that ripen there and for how many
@@ -32,7 +32,7 @@ _RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 2, 6, 3, 8
 _FLIPS = 999
 
 # fraction of the squares that an effect takes, and its term
-Ranked = tuple[float, DriveTerm]
+Ranked = tuple[float, DriveTerm | EffectTerm]
 
 
 class Driven(NamedTuple):
@@ -44,7 +44,7 @@ class Driven(NamedTuple):
     """
 
     look: Look
-    tried: tuple[tuple[DriveTerm, Scored], ...]
+    tried: tuple[tuple[DriveTerm | EffectTerm, Scored], ...]
     now: Scored
 
 
@@ -67,7 +67,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
     forms = _best_of_each_form(coarse, start, start.effects, terms)
 
-    def beside(term: DriveTerm) -> Fit:
+    def beside(term: DriveTerm | EffectTerm) -> Fit:
         return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, _FINE_STEPS)
 
     return judged(prepared, fitted, forms, beside, rng)
@@ -77,7 +77,7 @@ def judged(
     prepared: Prepared,
     fitted: Fit,
     forms: Sequence[Ranked],
-    beside: Callable[[DriveTerm], Fit],
+    beside: Callable[[DriveTerm | EffectTerm], Fit],
     rng: np.random.Generator,
 ) -> Driven | None:
     """The leading effects of the drive, fitted to all samples and scored.
@@ -92,7 +92,7 @@ def judged(
     for _, term in order[:_LEADERS]:
         found = beside(term)
         moved = found.effects[-1]
-        assert isinstance(moved, DriveTerm)
+        assert isinstance(moved, DriveTerm | EffectTerm)
         if found.acting >= LEAST_ACTING:
             tried.append((moved, scored(found, blocks)))
     if not tried:
@@ -144,14 +144,14 @@ def _is_first_of_its_name(k: int, ranked: Sequence[Ranked]) -> bool:
 
 
 def _best_of_each_form(
-    coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[DriveTerm]
+    coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[DriveTerm | EffectTerm]
 ) -> list[Ranked]:
     """For each form of an effect, the size with the smallest residual on thinned logs, best first.
 
     Each comes with the reduction of the squared residual, as a fraction of the squared drive.
     """
 
-    def begun(term: DriveTerm) -> Place:
+    def begun(term: DriveTerm | EffectTerm) -> Place:
         search = Search(coarse, timed(coarse, (*beside, term), start.shape), start.shape)
         x = search.start
         return Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x)
@@ -173,7 +173,7 @@ def _best_of_each_form(
     best: dict[Effect, Ranked] = {}
     for found in fits:
         term = found.effects[-1]
-        assert isinstance(term, DriveTerm)
+        assert isinstance(term, DriveTerm | EffectTerm)
         if found.acting < LEAST_ACTING:  # a drive of nothing explains nothing
             continue
         gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2

@@ -13,7 +13,7 @@ from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.drive import COARSE, look_at_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
-from frictionjoint.diagnose.library import Candidate, drive_terms
+from frictionjoint.diagnose.library import Candidate, drive_terms, without_columns
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
     State,
@@ -43,9 +43,10 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
     own = state.fit.effects
     for replaced in joint_effects_to_replace(state):
         found = look_at_drive(state.prepared, without(state, replaced), rng)
-        if found is None or not found.tried:
+        others = [pair for pair in found.tried if pair[0].name != replaced.name] if found else []
+        if found is None or not others:
             continue
-        term, score = found.tried[0]
+        term, score = others[0]
         if numbers_of(term) > numbers_of(replaced):
             continue
         prepared, other = reweighed(state.prepared, score.fit)
@@ -56,8 +57,8 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         if is_small(term, instead, bare) or not as_much(instead, now):
             continue
         ties = (replaced.name,) if as_much(now, instead) else ()
-        look, gain = found.look, score.gain(found.now)
-        finding = Finding(term, look, look.rows[0], gain, ties, (), other)
+        row = found.look.find(without_columns(term))
+        finding = Finding(term, found.look, row, score.gain(found.now), ties, (), other)
         state.findings = with_changed(state.findings, own, replaced, partial(_as, finding))
         state.prepared, state.fit = prepared, other
         return True

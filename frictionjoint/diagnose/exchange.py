@@ -76,10 +76,13 @@ def weigh_others(state: State) -> None:
     alone explains much more than the other alone: next to the other, the rest of the model
     compensates.
     """
+    # beside a curve, which bends with the data, an effect may seem as good as another
+    if any(map(is_unnamed, state.fit.effects)):
+        return
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
         others = _no_richer(state, own[i])
-        if not others or is_unnamed(own[i]):
+        if not others:
             continue
         best, other = _in_place_of(state, blocks, i, others)
         now, instead = scored(state.fit, blocks), scored(other, blocks)

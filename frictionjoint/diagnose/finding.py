@@ -1,17 +1,12 @@
-"""Outcome of the search: effects with their evidence, and the smallest detectable effect."""
+"""Outcome of the search: effects with their evidence."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-import numpy as np
-from scipy.special import chdtri
-
-from frictionjoint.arrays import root_mean_square
-from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.diagnose.sight import Sight
 from frictionjoint.effects.effect import Effect
-from frictionjoint.identify.blocks import correlation_time
 from frictionjoint.identify.fit import Fit, without_scale
 from frictionjoint.identify.instruments import NotGiven, as_given
 from frictionjoint.identify.segment import Prepared
@@ -86,25 +81,6 @@ def with_changed(
 
 
 @dataclass(frozen=True)
-class Sight:
-    """The smallest detectable effect.
-
-    Attributes:
-        torque: rms, N m. duration: of the logs, s; needed: duration, s, of such motion that would
-            reveal an effect that makes half of the residual.
-    """
-
-    torque: float
-    duration: float
-    needed: float
-
-    @property
-    def too_short(self) -> bool:
-        """Whether even an effect that makes half of the residual could not have been found."""
-        return self.needed > self.duration
-
-
-@dataclass(frozen=True)
 class Trace:
     """Outcome of the search.
 
@@ -145,29 +121,5 @@ class Trace:
             findings=tuple(replace(f, fit=without_scale(f.fit)) for f in self.findings),
             final=without_scale(self.final),
             other_laws=tuple((law, x / self.final.gain) for law, x in self.other_laws),
-            sight=replace(self.sight, torque=self.sight.torque / self.final.gain),
+            sight=self.sight.over(self.final.gain),
         )
-
-
-def sight(prepared: Prepared, fitted: Fit, look: Look) -> Sight:
-    """The smallest effect that the logs could have shown.
-
-    The score of B equal blocks is at most B, so an effect that makes a fraction g of the residual
-    scores about B g / (1 - g), which must exceed the score by chance over the whole family.
-    """
-    e = fitted.residual * fitted.weight
-    longest = max(correlation_time(e[fitted.log_index == i]) for i in np.unique(fitted.log_index))
-    blocks = max(2.0, len(e) / (2.0 * longest))
-    needed = float(chdtri(1, np.exp(-look.chance))) if look.chance > 0.0 else 0.0
-    # of all that is asked of an effect what asks most: more than chance, a part of what is left,
-    # and more than a law errs by
-    fraction = max(needed / (needed + blocks), SMALLEST_GAIN)
-    left = fitted.drive_rms * fitted.error_unit
-    friction = root_mean_square(fitted.friction * fitted.weight)
-    duration = sum(len(s.drive) * s.dt for s in prepared.segments)
-    enough = needed * (1.0 - APART) / APART
-    return Sight(
-        max(float(np.sqrt(fraction / (1.0 - fraction))) * left, DISCREPANCY * friction),
-        duration,
-        duration * enough / blocks,
-    )

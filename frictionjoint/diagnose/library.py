@@ -40,6 +40,8 @@ _REACHES = (0.01, 0.03, 0.1, 0.3)
 _EXCEEDED = (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)
 # waves of an encoder in a turn of the joint
 _ORDERS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
+# samples of a delay where a fit of it starts
+_DELAYS = (-3.0, -1.0, 1.0, 3.0)
 # of a candidate's columns, what may be left by others that hold the same
 _SAME = 1e-3
 
@@ -246,18 +248,29 @@ def _on_grid(prepared: Prepared, effects: list[Effect], signals: list[Array]) ->
     ]
 
 
-def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[DriveTerm]:
-    """Every effect of the drive, if the drive is computed by a controller from commands."""
+def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[DriveTerm | EffectTerm]:
+    """Every effect of the drive, if the drive is computed by a controller from commands.
+
+    So are delays of a measurement, which shift the drive as a whole.
+    """
     if not prepared.commanded:
         return []
     names = {term.name for term in taken}
     logs = [s.commanded.commands for s in prepared.segments if s.commanded]
-    return [
+    of_drive = [
         DriveTerm(effect, shape)
         for effect in DRIVE_EFFECTS
         if effect.name not in names and prepared.drive in effect.drives
         for shape in (effect.drive_shapes(logs) if effect.drive_shapes else [])
     ]
+    sample = min(s.sample for s in prepared.segments)
+    delays = [
+        EffectTerm(effect, (k * sample,))
+        for effect in CATALOGUE
+        if effect.delays and effect.name not in names
+        for k in _DELAYS
+    ]
+    return [*of_drive, *delays]
 
 
 def testable(prepared: Prepared, effect: Effect, signals: Array) -> bool:

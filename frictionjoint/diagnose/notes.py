@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.finding import Trace
+from frictionjoint.diagnose.sight import Smallest
 from frictionjoint.effects.signals import Q
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
@@ -15,8 +16,6 @@ from frictionjoint.identify.timing import Timing
 
 # standard errors, or rms errors, beyond which something is more than chance
 _BEYOND = 2.0
-# part of the samples that is worth naming
-_SOME = 0.01
 REFINED = (
     "The parameters are refined by simulation: position errors are those of the refined "
     "parameters, torque errors those of the fit to torque."
@@ -153,22 +152,24 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
 
 
 def _sight_note(found: Trace) -> tuple[str, ...]:
-    """Note on the smallest detectable effect, if no effect was found."""
-    if found.findings or found.unexplained:
-        return ()
-    sight = found.sight
-    unit, _ = units_of(found.final, found.prepared.slide)
-    size = f"{sight.torque:.2g} {unit} rms"
-    rest = 1.0 - float(np.mean(found.final.in_motion))
-    if not sight.too_short:
-        where = (
-            f" in motion; the search leaves out the {rest:.0%} of the samples in which the joint "
-            "sticks or reverses"
-            if rest >= _SOME
-            else ""
+    """Notes on the smallest effects that the logs would have shown."""
+    sight, unit = found.sight, units_of(found.final, found.prepared.slide)[0]
+    if sight.too_short:
+        if found.findings or found.unexplained:
+            return ()
+        return (
+            f"These {sight.duration:.3g} s are too short: the smallest effect that they would have "
+            f"shown is {sight.torque:.2g} {unit} rms. About {sight.needed:.2g} s of such motion "
+            "are needed.",
         )
-        return (f"The smallest effect that these logs would have shown is {size}{where}.",)
+    each = ", ".join(_smallest(x) for x in sight.of_each)
+    lead = "The smallest further effect" if found.findings else "The smallest effect"
     return (
-        f"These {sight.duration:.3g} s are too short: the smallest effect that they would have "
-        f"shown is {size}. About {sight.needed:.2g} s of such motion are needed.",
+        f"{lead} that these logs would have shown, rms of its torque in {unit} (two numbers: of "
+        f"the shape that shows best and of the one that shows worst): {each}.",
     )
+
+
+def _smallest(x: Smallest) -> str:
+    least, most = f"{x.least:.2g}", f"{x.most:.2g}"
+    return f"{x.name} {least}" if least == most else f"{x.name} {least} to {most}"

@@ -4,7 +4,7 @@ import numpy as np
 
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import settle_ties, weigh_others
-from frictionjoint.diagnose.finding import Trace, sight
+from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.library import named_of
 from frictionjoint.diagnose.nearest import (
     Replayed,
@@ -14,6 +14,7 @@ from frictionjoint.diagnose.nearest import (
 )
 from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.score import scored
+from frictionjoint.diagnose.sight import sight
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.diagnose.unnamed import quantities_alike
 from frictionjoint.identify.base_fit import with_assumptions
@@ -91,7 +92,7 @@ def finish_search(
         not_given=not_given,
         last_look=state.look,
         other_laws=state.laws.compared(state.prepared, state.fit),
-        sight=sight(state.prepared, state.fit, state.look),
+        sight=sight(state.prepared, state.fit, state.look.chance, state.blocks, state.candidates),
     )
 
 

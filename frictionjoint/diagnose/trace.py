@@ -45,6 +45,7 @@ from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, un
 from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import CLOSE, ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
@@ -390,6 +391,8 @@ def _clearly(one: _Tried, other: _Tried) -> bool:
 
 def _much_before(unnamed: _Tried, best: _Tried, now: Scored) -> bool:
     """Whether an unnamed dependence explains so much that the best effect is only a part of it."""
+    if isinstance(unnamed.move.added[0].term, EncoderTerm):  # a wave, no curve
+        return unnamed.score.better(best.score)
     enough = (1.0 - TIE) * unnamed.score.gain(now)
     return needed(unnamed.score, best.score) and best.score.gain(now) < enough
 

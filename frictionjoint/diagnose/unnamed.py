@@ -1,11 +1,11 @@
-"""Quantities on which the residual may depend; those that explain as much are a tie.
+"""Quantities on which the residual may depend; those that the logs do not set apart are a tie.
 
 In an arm that moves alone the load is a function of position, and no log distinguishes them.
 """
 
 from frictionjoint.diagnose.exchange import most_first
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, compared
+from frictionjoint.diagnose.state import State, apart, compared
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.terms import Term, in_place
@@ -40,6 +40,6 @@ def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
     for instead in list(best.values())[:_MOST]:
         terms = in_place(own, i, instead)
         other = scored(compared(state.prepared, terms, state.fit.shape), blocks)
-        if as_much(other, now):
+        if not apart(now, other):
             found[instead.name] = other.gain(bare)
     return found

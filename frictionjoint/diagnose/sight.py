@@ -1,0 +1,112 @@
+"""The smallest effect that the logs would have shown, in all and of each kind."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from scipy.special import chdtri
+
+from frictionjoint.arrays import root_mean_square
+from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN
+from frictionjoint.diagnose.gram import screen
+from frictionjoint.diagnose.library import Candidate
+from frictionjoint.identify.blocks import Blocks, correlation_time
+from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.segment import Prepared
+
+
+@dataclass(frozen=True)
+class Smallest:
+    """The smallest effect of one kind that the logs would have shown, rms N m of its torque.
+
+    Attributes:
+        least, most: of the shape that shows best, and of the one that shows worst.
+    """
+
+    name: str
+    least: float
+    most: float
+
+
+@dataclass(frozen=True)
+class Sight:
+    """The smallest detectable effect.
+
+    Attributes:
+        torque: rms, N m, of an effect that the law cannot imitate, in motion.
+        duration: of the logs, s; needed: duration, s, of such motion that would reveal an effect
+            that makes half of the residual.
+        of_each: of every effect that the model lacks, best shown first.
+    """
+
+    torque: float
+    duration: float
+    needed: float
+    of_each: tuple[Smallest, ...]
+
+    @property
+    def too_short(self) -> bool:
+        """Whether even an effect that makes half of the residual could not have been found."""
+        return self.needed > self.duration
+
+    def over(self, gain: float) -> Self:
+        """The same with torques divided by the gain of the drive."""
+        each = tuple(Smallest(x.name, x.least / gain, x.most / gain) for x in self.of_each)
+        return replace(self, torque=self.torque / gain, of_each=each)
+
+
+def sight(
+    prepared: Prepared,
+    fitted: Fit,
+    chance: float,
+    blocks: Blocks,
+    candidates: Sequence[Candidate],
+) -> Sight:
+    """The smallest effect that the logs could have shown.
+
+    The score of B equal blocks is at most B, so an effect that makes a fraction g of the residual
+    scores about B g / (1 - g), which must exceed the score by chance over the whole family. Of its
+    torque only what the law and the other effects cannot imitate is seen, and samples count by
+    their weight.
+
+    Args:
+        chance: score that the best of the family exceeds by chance in one case of twenty.
+        blocks, candidates: of the fit.
+    """
+    e = fitted.residual * fitted.weight
+    longest = max(correlation_time(e[fitted.log_index == i]) for i in np.unique(fitted.log_index))
+    count = max(2.0, len(e) / (2.0 * longest))
+    needed = float(chdtri(1, np.exp(-chance))) if chance > 0.0 else 0.0
+    # of all that is asked of an effect what asks most: more than chance, a part of what is left,
+    # and more than a law errs by
+    fraction = max(needed / (needed + count), SMALLEST_GAIN)
+    left = fitted.drive_rms * fitted.error_unit
+    friction = root_mean_square(fitted.friction * fitted.weight)
+    duration = sum(len(s.drive) * s.dt for s in prepared.segments)
+    enough = needed * (1.0 - APART) / APART
+    torque = max(float(np.sqrt(fraction / (1.0 - fraction))) * left, DISCREPANCY * friction)
+    named = [c for c in candidates if not c.unnamed]
+    sizes: dict[str, list[float]] = {}
+    for c, size in zip(named, smallest(fitted, blocks, named, torque), strict=True):
+        sizes.setdefault(c.term.name, []).append(size)
+    each = sorted((Smallest(n, min(x), max(x)) for n, x in sizes.items()), key=lambda x: x.least)
+    return Sight(torque, duration, duration * enough / count, tuple(each))
+
+
+def smallest(
+    fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate], torque: float
+) -> list[float]:
+    """rms torque, N m, of each candidate of which the model cannot imitate a given part.
+
+    Args:
+        torque: weighted rms of that part, N m, see `Sight`.
+    """
+    found = screen(fitted, blocks, candidates)
+    sizes = []
+    for c, at in zip(candidates, found.candidates, strict=True):
+        weighted = np.linalg.norm(c.columns * fitted.weight[:, None], axis=0)
+        seen = weighted * np.linalg.norm(found.tested[:, at[~found.begun[at]]], axis=0)
+        with np.errstate(divide="ignore"):
+            sizes.append(torque * float(np.max(np.linalg.norm(c.columns, axis=0) / seen)))
+    return sizes
