@@ -6,13 +6,13 @@ parameters, and the numbers are searched through that map: a large change of a b
 small one.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.robot.causes.cause import Cause, composed
@@ -48,7 +48,7 @@ def descended(
     """
     here = found.state
     places = _places(found)
-    if not places:
+    if not len(places):
         return found
     factor, target = _squares(joints, blocks, here, places, own)
     at = _read(here, places)
@@ -68,7 +68,8 @@ def descended(
         return np.concatenate([factor @ moves, np.diag(pull)])
 
     bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in found.causes]).T
-    tried = [_least(left, start, bounds, slopes) for start in _starts(found, left, bounds)]
+    starts = _starts(found, left, bounds, places, factor, pull)
+    tried = [_least(left, start, bounds, slopes) for start in starts]
     return replace(found, numbers=tuple(np.split(_best(tried), ends)))
 
 
@@ -76,7 +77,7 @@ def _least(
     left: Callable[[Array], Array],
     start: Array,
     bounds: Array,
-    slopes: Callable[[Array], Array] | str = "2-point",
+    slopes: Callable[[Array], Array],
 ) -> OptimizeResult:
     """End of the descent from a start."""
     return least_squares(
@@ -93,36 +94,75 @@ def _best(tried: Sequence[OptimizeResult]) -> Array:
     return np.asarray(min(tried, key=lambda one: float(one.cost)).x)
 
 
-def _starts(found: Found, left: Callable[[Array], Array], bounds: Array) -> list[Array]:
+def _starts(
+    found: Found,
+    left: Callable[[Array], Array],
+    bounds: Array,
+    places: "_Places",
+    factor: Array,
+    pull: Array,
+) -> list[Array]:
     """Starting numbers: the given ones or those without a cause, whichever have the smaller
     residual.
 
     At zero the columns of a homogeneous cause are not informative. Then the best point along its
     rays is tried as well.
+
+    Args:
+        left: residual of all numbers, in which changes of `places` count by `factor` and the
+            numbers by `pull`.
     """
     given = np.concatenate(found.numbers)
     nothing = np.concatenate(
         [n if c.homogeneous else c.start for c, n in zip(found.causes, found.numbers, strict=True)]
     )
     start = min((given, nothing), key=lambda x: float(np.sum(left(x) ** 2)))
-    ends = np.cumsum([len(n) for n in found.numbers])
-    starts = [start]
-    for cause, x, end in zip(found.causes, found.numbers, ends, strict=True):
-        if not cause.homogeneous or np.any(x):
-            continue
-        own = np.eye(len(start))[end - len(x) : end]
-
-        def beyond(y: Array, own: Array = own) -> Array:
-            return left(start + y @ own)
-
-        zero, steps = np.zeros(len(x)), np.diag(cause.steps)
-        slopes = [(beyond(s) - beyond(-s)) / (2.0 * s.sum()) for s in steps]
-        first = np.linalg.lstsq(np.transpose(slopes), -beyond(zero), rcond=_FLAT)[0]
-        room = bounds[:, end - len(x) : end]
-        tried = [_least(beyond, ray, room) for ray in cause.rays(first)]
-        if tried:
-            starts.append(start + _best(tried) @ own)
+    ends = np.cumsum([0, *(len(n) for n in found.numbers)])
+    parts = tuple(np.split(start, ends[1:-1]))
+    starts, here = [start], left(start)
+    for i, (cause, x) in enumerate(zip(found.causes, found.numbers, strict=True)):
+        if cause.homogeneous and not np.any(x):
+            at = slice(int(ends[i]), int(ends[i + 1]))
+            before = composed(found.causes[:i], parts[:i], found.original)
+            own = np.eye(len(start))[:, at] * pull[at]
+            ways = _Ways(cause, before, parts[i], here, places, factor, own)
+            first = np.linalg.lstsq(ways.slopes(np.zeros(len(x))), -here, rcond=_FLAT)[0]
+            rays = cause.rays(np.asarray(first))
+            tried = [_least(ways.left, ray, bounds[:, at], ways.slopes) for ray in rays]
+            if tried:
+                further = start.copy()
+                further[at] += _best(tried)
+                starts.append(further)
     return starts
+
+
+@dataclass(frozen=True)
+class _Ways:
+    """Change of the numbers of one cause, with all others as they are.
+
+    Attributes:
+        before: corrections by the causes before it. start, here: its numbers, and the residual with
+            them. own: derivative of the residual by its numbers next to that through `places`.
+    """
+
+    cause: Cause
+    before: Corrections
+    start: Array
+    here: Array
+    places: "_Places"
+    factor: Array
+    own: Array
+
+    def left(self, y: Array) -> Array:
+        """Residual."""
+        ends = [_read(self.cause.applied(self.before, self.start + x), self.places) for x in (0, y)]
+        moved = self.factor @ (ends[1] - ends[0])
+        return np.asarray(self.here + np.concatenate([moved, self.own @ y]))
+
+    def slopes(self, y: Array) -> Array:
+        """Its derivative."""
+        moves = _moves(self.before, (self.cause,), (self.start + y,), self.places)
+        return np.concatenate([self.factor @ moves, self.own])
 
 
 @dataclass(frozen=True)
@@ -134,9 +174,7 @@ class _Place:
     number: int = 0
 
     def of(self, state: Corrections) -> float:
-        """Value of the coordinate."""
-        if self.kind == "phi":
-            return float(state.phi[int(self.which), self.number])
+        """Value of the coordinate, no body's."""
         if self.kind == "gravity":
             return float(state.gravity[self.number])
         if self.kind == "shaft":
@@ -163,13 +201,31 @@ class _Place:
         return replace(state, **{self.kind: values | here})
 
 
-def _places(found: Found) -> list[_Place]:
+@dataclass(frozen=True)
+class _Places:
+    """Coordinates that causes change: parameters of bodies, by body and number, then others."""
+
+    bodies: Index
+    numbers: Index
+    others: tuple[_Place, ...]
+
+    def __len__(self) -> int:
+        return len(self.bodies) + len(self.others)
+
+    def __iter__(self) -> Iterator[_Place]:
+        for b, k in zip(self.bodies.tolist(), self.numbers.tolist(), strict=True):
+            yield _Place("phi", b, k)
+        yield from self.others
+
+
+def _places(found: Found) -> _Places:
     """Coordinates that the causes change."""
+    bodies: dict[tuple[int, int], None] = {}
     places: dict[_Place, None] = {}
     for i in range(len(found.causes)):
         for low, high, _ in found.pairs(i):
             for b in np.flatnonzero(np.any(low.phi != high.phi, axis=1)):
-                places |= dict.fromkeys(_Place("phi", int(b), k) for k in range(low.phi.shape[1]))
+                bodies |= dict.fromkeys((int(b), k) for k in range(low.phi.shape[1]))
             if np.any(low.gravity != high.gravity):
                 places |= dict.fromkeys(_Place("gravity", 0, k) for k in range(3))
             for kind in ("armature", "offset"):
@@ -178,15 +234,17 @@ def _places(found: Found) -> list[_Place]:
             for k, (one, other) in enumerate(zip(low.shafts, high.shafts, strict=True)):
                 at = np.flatnonzero(one.numbers != other.numbers)
                 places |= dict.fromkeys(_Place("shaft", k, int(n)) for n in at)
-    return list(places)
+    at, numbers = (np.array([key[k] for key in bodies], dtype=np.int64) for k in (0, 1))
+    return _Places(at, numbers, tuple(places))
 
 
-def _read(state: Corrections, places: Sequence[_Place]) -> Array:
-    return np.array([place.of(state) for place in places])
+def _read(state: Corrections, places: _Places) -> Array:
+    bodies = state.phi[places.bodies, places.numbers]
+    return np.concatenate([bodies, [place.of(state) for place in places.others]])
 
 
 def _moves(
-    state: Corrections, causes: Sequence[Cause], numbers: Sequence[Array], places: Sequence[_Place]
+    state: Corrections, causes: Sequence[Cause], numbers: Sequence[Array], places: _Places
 ) -> Array:
     """Derivatives of coordinates by each number, (coordinate, number), by differences.
 
@@ -207,7 +265,7 @@ def _squares(
     joints: Sequence[FittedJoint],
     blocks: Clock,
     here: Corrections,
-    places: Sequence[_Place],
+    places: _Places,
     own: Callable[[str], bool],
 ) -> tuple[Array, Array]:
     """Factor F and target y: |F dz - y|^2 is the residual of all joints, up to a constant.
