@@ -11,9 +11,10 @@ from servo_plant import COUNT, KNOWN, PLANT, servo, sines, steps, swept
 from frictionjoint.control.kernel import BLOCK
 from frictionjoint.control.kernel import COUNT as COUNT_AT
 from frictionjoint.diagnose.by_motion import held_out_evidence, is_large, named_by_motion, taken
-from frictionjoint.diagnose.finding import Finding, Sight, Trace
+from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.diagnose.sight import Sight
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -43,7 +44,7 @@ def named(friction, armature="0.01", motions=(steps, sines, swept)):
     look = Look((), np.zeros(0), 0.0)
     row = Looked(Candidate(MOTOR[0], np.zeros((0, 0))), np.zeros(0), 0.001, 1.0)
     own = Finding(MOTOR[0], look, row, 1.0, (), (), fitted)
-    found = Trace(prepared, fitted, (own,), fitted, (), (), look, None, Sight(0.0, 0.0, 0.0))
+    found = Trace(prepared, fitted, (own,), fitted, (), (), look, None, Sight(0.0, 0.0, 0.0, ()))
     courses = courses_of(logs, [body] * len(logs), KNOWN)
     found, refined = named_by_motion(found, courses, body.armature)
     assert [f.term for f in found.findings] == list(found.final.effects)

@@ -17,7 +17,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
 from frictionjoint.diagnose.columns import signals_of
-from frictionjoint.diagnose.decisions import PROMISING, SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.library import effect_terms, effects, without_columns
@@ -209,7 +209,7 @@ def _promising(
             coefficients = fitted.term_coefficients(len(final.effects))
         models.append((1.0 - squares(fitted) / before, fitted, coefficients))
     models.sort(key=lambda model: -model[0])
-    least = max(PROMISING, (1.0 - SMALLEST_GAIN) * models[0][0]) if models else 0.0
+    least = max(TIE, (1.0 - SMALLEST_GAIN) * models[0][0]) if models else 0.0
     return [(fitted, c) for gain, fitted, c in models[:_LEADERS] if gain >= least]
 
 
@@ -223,7 +223,7 @@ def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:
     return [
         row.candidate.term
         for row in seen.rows
-        if row.p_value <= SIGNIFICANCE and seen.gain(row) >= PROMISING
+        if row.p_value <= SIGNIFICANCE and seen.gain(row) >= TIE
         if isinstance(row.candidate.term, EffectTerm)
     ]
 
@@ -250,7 +250,7 @@ def _beside(
         bounds = term.effect.bounds
         if any(low == 0.0 and c < 0.0 for (low, _), c in zip(bounds, change, strict=bool(bounds))):
             continue
-        if gain > best.get(term.name, (PROMISING,))[0]:
+        if gain > best.get(term.name, (TIE,))[0]:
             best[term.name] = gain, term, change * steps
     return [(term, coefficients) for _, term, coefficients in best.values()]
 

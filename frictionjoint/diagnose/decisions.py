@@ -19,15 +19,13 @@ DISCREPANCY = 0.004
 # the same of an effect of the drive, over the drive's rms: a dead band resembles friction. Where
 # nothing is hidden, one that takes the least fraction of the squares moves 0.6% at most
 DRIVE_DISCREPANCY = 0.007
-# models within this fraction of the best one's gain explain as much; they are apart where one
-# leaves half of what the other leaves
+# models within this fraction of the best one's gain explain as much, so that what promises less of
+# simulated motion to first order is not tried; they are apart where one leaves half of what the
+# other leaves
 TIE, APART = 0.1, 0.5
-# part of the squares of simulated motion that an effect must promise to first order: less is often
-# lost when all other numbers are fitted anew
-PROMISING = 0.1
 # part of a coefficient's columns that may lie in one fold: beyond it that fold is halved
 CONCENTRATED = 0.9
-# standard errors by which the logs must take a number beyond what is possible
+# standard errors, or rms errors, beyond which something is more than chance
 SURELY = 2.0
 # K: a temperature that changes by less holds nothing but its sensor's flicker
 LEAST_WARMING = 1.0

@@ -11,10 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.chance import FLIPS
 from frictionjoint.diagnose.library import drive_terms, without_columns
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.possible import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored
+from frictionjoint.diagnose.state import TRIED_STEPS
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.blocks import halves, make_blocks
@@ -22,14 +24,13 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit, timed
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.starts import COARSE
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, all_but, in_place
 from frictionjoint.threads import side_by_side
 
-# samples of the coarse fits, starts of each form of an effect that ripen there and for how many
-# steps; effects that are fitted to all samples
-COARSE = 1500
-_RIPENING, _STEPS, _LEADERS, _FINE_STEPS = 2, 6, 3, 8
-_FLIPS = 999
+# starts of each form of an effect that ripen on thinned logs and for how many steps; effects that
+# are fitted to all samples
+_RIPENING, _STEPS, _LEADERS = 2, 6, 3
 
 # fraction of the squares that an effect takes, and its term
 Ranked = tuple[float, DriveTerm | EffectTerm]
@@ -68,7 +69,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     forms = _best_of_each_form(coarse, start, start.effects, terms)
 
     def beside(term: DriveTerm | EffectTerm) -> Fit:
-        return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, _FINE_STEPS)
+        return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, TRIED_STEPS)
 
     return judged(prepared, fitted, forms, beside, rng)
 
@@ -134,7 +135,7 @@ def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     found = [(term, CLOSE) for term in forms]
     found += [(term, ROUGH) for term in others[: _LEADERS - 1]]
     return [
-        refit(prepared, in_place(own, i, term), fitted.shape, closeness, _FINE_STEPS)
+        refit(prepared, in_place(own, i, term), fitted.shape, closeness, TRIED_STEPS)
         for term, closeness in found
     ]
 
@@ -184,8 +185,8 @@ def _best_of_each_form(
 
 def sign_flips(difference: Array, rng: np.random.Generator) -> float:
     """Probability of as large a gain if the sign of each block's gain were random."""
-    flips = rng.choice([-1.0, 1.0], size=(_FLIPS, len(difference))) @ difference
-    return float((1 + np.sum(flips >= difference.sum())) / (_FLIPS + 1))
+    flips = rng.choice([-1.0, 1.0], size=(FLIPS, len(difference))) @ difference
+    return float((1 + np.sum(flips >= difference.sum())) / (FLIPS + 1))
 
 
 def _frequencies(squares: Sequence[Array], rng: np.random.Generator) -> list[float]:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.diagnose.decisions import APART
-from frictionjoint.diagnose.drive import COARSE, look_at_drive
+from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import Candidate, drive_terms, without_columns
@@ -28,6 +28,7 @@ from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.starts import COARSE
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, all_but
 from frictionjoint.identify.weights import reweighed
 

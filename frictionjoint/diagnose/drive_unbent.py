@@ -10,7 +10,7 @@ starts.
 import numpy as np
 
 from frictionjoint.diagnose.decisions import SMALLEST_GAIN
-from frictionjoint.diagnose.drive import COARSE, Driven, Ranked, judged
+from frictionjoint.diagnose.drive import Driven, Ranked, judged
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.unbent import unbent
@@ -19,7 +19,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import prompt_maxwell_slip
 from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.starts import ripened, screened_starts
+from frictionjoint.identify.starts import COARSE, ripened, screened_starts
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.threads import side_by_side
 

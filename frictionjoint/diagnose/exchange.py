@@ -21,6 +21,7 @@ from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
+    ALTERNATIVES,
     State,
     apart,
     as_much,
@@ -38,9 +39,6 @@ from frictionjoint.identify.rounding import in_order
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import DriveTerm, Term, in_place
 from frictionjoint.identify.weights import reweighed
-
-# effects that are tried in the place of one that a law bends for, those that promise most first
-_MOST = 2
 
 
 def best_forms(state: State) -> bool:
@@ -154,7 +152,7 @@ def exchange_bent(state: State) -> bool:
         best: dict[tuple[str, str], Candidate] = {}
         for candidate in most_first(state, blocks, i, others):
             best.setdefault(candidate.kind, candidate)
-        for candidate in list(best.values())[:_MOST]:
+        for candidate in list(best.values())[:ALTERNATIVES]:
             terms = in_place(own, i, candidate.term)
             other = unbent(state.prepared, terms, [forms_like(state.fit.shape)])
             if now.better(scored(other, blocks)):
@@ -245,7 +243,7 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
     if not among:
         return []
     seen, _ = look(rest.fit, rest.blocks, among, rng)
-    terms = [in_place(own, i, r.candidate.term) for r in seen.rows[:_MOST]]
+    terms = [in_place(own, i, r.candidate.term) for r in seen.rows[:ALTERNATIVES]]
     return [(compared(state.prepared, t, rest.fit.shape), seen) for t in terms]
 
 

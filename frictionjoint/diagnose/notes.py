@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.diagnose.decisions import SURELY
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.sight import Smallest
 from frictionjoint.effects.signals import Q
@@ -14,8 +15,6 @@ from frictionjoint.identify.notes import assumed_note, inertia_note
 from frictionjoint.identify.result import law_parameters, scale_note, units_of
 from frictionjoint.identify.timing import Timing
 
-# standard errors, or rms errors, beyond which something is more than chance
-_BEYOND = 2.0
 REFINED = (
     "The parameters are refined by simulation: position errors are those of the refined "
     "parameters, torque errors those of the fit to torque."
@@ -69,7 +68,7 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
         if isinstance(term, Timing):
             (time,), k = term.shape, fitted.layout.numbers(i).start
             error = float(np.sqrt(max(0.0, cov[k, k])))
-            if abs(time) > _BEYOND * error:
+            if abs(time) > SURELY * error:
                 said.append(term.says(f"{1e3 * abs(time):.2g} ± {1e3 * error:.1g} ms"))
     return tuple(said)
 
@@ -131,7 +130,7 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
     fitted = found.final
     level = float(np.max(np.abs(fitted.friction)))
     # what the model leaves in motion it may leave at rest too
-    if error <= level + _BEYOND * fitted.rms_in_motion:
+    if error <= level + SURELY * fitted.rms_in_motion:
         return ()
     unit, of_position = units_of(fitted, found.prepared.slide)
     position = found.prepared.at_kept(Q)

@@ -27,15 +27,21 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import comes_first
 from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
+from frictionjoint.diagnose.state import (
+    ALTERNATIVES,
+    State,
+    as_much,
+    needed,
+    numbers_of,
+    with_fewer,
+    without,
+)
 from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import Search
 from frictionjoint.identify.terms import EffectTerm, Term, all_but
 from frictionjoint.identify.weights import reweighed
-
-_MOST_RIVALS = 2
 
 
 def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
@@ -165,7 +171,7 @@ def _rivals(seen: Look, finding: Finding, row: Looked) -> list[Term]:
     terms = [r.candidate.term for r in seen.rows if not r.candidate.unnamed]
     own = {row.name, *finding.ties}
     most = numbers_of(finding.term)
-    return [t for t in terms if t.name not in own and numbers_of(t) <= most][:_MOST_RIVALS]
+    return [t for t in terms if t.name not in own and numbers_of(t) <= most][:ALTERNATIVES]
 
 
 def _is_supported(finding: Finding) -> bool:

@@ -22,8 +22,9 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import DriveTerm, Term, all_but
 
-# of a search that only compares models
-_TRIED_STEPS = 8
+# steps of a search that only compares models; other effects, or quantities, that are fitted in the
+# place of one, those that promise most first
+TRIED_STEPS, ALTERNATIVES = 8, 2
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ def compared(
     prepared: Prepared, terms: tuple[Term, ...], law: Shape, closeness: float = ROUGH
 ) -> Fit:
     """A model fitted with the accuracy that a comparison needs."""
-    return refit(prepared, terms, law, closeness, _TRIED_STEPS)
+    return refit(prepared, terms, law, closeness, TRIED_STEPS)
 
 
 def without(state: State, term: Term) -> Fit:

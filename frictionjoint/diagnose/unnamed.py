@@ -5,13 +5,10 @@ In an arm that moves alone the load is a function of position, and no log distin
 
 from frictionjoint.diagnose.exchange import most_first
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, apart, compared
+from frictionjoint.diagnose.state import ALTERNATIVES, State, apart, compared
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.terms import Term, in_place
-
-# other quantities that are fitted in the place of one, those that promise most
-_MOST = 2
 
 
 def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
@@ -37,7 +34,7 @@ def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
     rest = tuple(t for t in own if t is not term)
     bare = scored(compared(state.prepared, rest, state.fit.shape), blocks)
     found = {}
-    for instead in list(best.values())[:_MOST]:
+    for instead in list(best.values())[:ALTERNATIVES]:
         terms = in_place(own, i, instead)
         other = scored(compared(state.prepared, terms, state.fit.shape), blocks)
         if not apart(now, other):

@@ -21,7 +21,7 @@ from frictionjoint.identify.weights import reweighed, weighted_by
 from frictionjoint.threads import one_thread, side_by_side
 
 # samples that a coarse look is at
-_COARSE = 1500
+COARSE = 1500
 # steps that every form is followed for, and the best of them to the end
 _STEPS, _LAST_STEPS = 8, 15
 
@@ -112,7 +112,7 @@ def with_times(
 def ripened(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
     """Each form of a law after some steps of a coarse search, best first, with the costs of that
     search."""
-    return _followed(screened_starts(prepared.thinned(_COARSE), terms, forms))
+    return _followed(screened_starts(prepared.thinned(COARSE), terms, forms))
 
 
 @one_thread
