@@ -121,10 +121,7 @@ def graph(runs: dict[tuple[int, int, int], list[float]], upto: int, label: str) 
     low, high = min(values), max(values)
     for colour, run in runs.items():
         points = [
-            (
-                70 + (2 * WIDTH - 90) * i / (len(run) - 1),
-                80 - 70 * (v - low) / (high - low),
-            )
+            (70 + (2 * WIDTH - 90) * i / (len(run) - 1), 80 - 70 * (v - low) / (high - low))
             for i, v in enumerate(run[: upto + 1])
         ]
         if len(points) > 1:

@@ -33,12 +33,7 @@ from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.terms import drive_changes
 from frictionjoint.refine.guard import held as in_band
-from frictionjoint.replay.closed_loop import (
-    Course,
-    closed_loop,
-    courses_of,
-    joint_model,
-)
+from frictionjoint.replay.closed_loop import Course, closed_loop, courses_of, joint_model
 from frictionjoint.simulate.one_joint import simulate
 
 TORQUE_GAIN = "torque-gain"

@@ -34,11 +34,7 @@ def motions(reach: float, speed: float, steps: int) -> dict[str, tuple[np.ndarra
     """Time, position, velocity by name. reach: rad before sliding. speed: rad/s of sliding."""
     t = 1e-3 * np.arange(1, steps + 1)
     small = 0.3 * reach * (np.sin(7 * t) + 0.5 * np.sin(23.7 * t) + 0.25 * np.sin(61.3 * t))
-    found = {
-        "sliding": speed * t,
-        "reversing": speed * np.sin(2 * t),
-        "presliding": small,
-    }
+    found = {"sliding": speed * t, "reversing": speed * np.sin(2 * t), "presliding": small}
     return {name: (t, q, np.gradient(q, t)) for name, q in found.items()}
 
 

@@ -74,10 +74,7 @@ def prepare(joints: int, way: str, worlds: int, device: str) -> Callable[[int], 
     scene = Scene(SceneCfg(num_envs=worlds, terrain=None, entities={"robot": robot}), device)
     options = MujocoCfg(timestep=STEP, integrator="implicitfast")
     sim = Simulation(
-        num_envs=worlds,
-        cfg=SimulationCfg(mujoco=options),
-        model=scene.compile(),
-        device=device,
+        num_envs=worlds, cfg=SimulationCfg(mujoco=options), model=scene.compile(), device=device
     )
     scene.initialize(sim.mj_model, sim.model, sim.data)
     if way == "BAM":

@@ -31,12 +31,7 @@ from frictionjoint.files import toml_document
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.motors.library import TEXTS, Motor, list_motors
 from frictionjoint.parameters import FrictionParameters
-from frictionjoint.report.numbers import (
-    effect_estimates,
-    law_numbers,
-    result_estimates,
-    status_of,
-)
+from frictionjoint.report.numbers import effect_estimates, law_numbers, result_estimates, status_of
 from frictionjoint.simulate.carrier import load_model, read_friction
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -172,10 +167,7 @@ def added(report: dict[str, Any]) -> dict[str, dict[str, float]]:
 
 
 def remarks(
-    source: Source,
-    whole: dict[str, Any],
-    report: dict[str, Any],
-    friction: JointFriction,
+    source: Source, whole: dict[str, Any], report: dict[str, Any], friction: JointFriction
 ) -> str:
     """What to know before using a motor."""
     said = [source.remark] if source.remark else []

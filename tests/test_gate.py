@@ -115,10 +115,7 @@ def test_good_logs_pass(kind: str) -> None:
     check(prepare([good_logs()[kind]], pendulum()))
 
 
-@pytest.mark.parametrize(
-    ("inertia", "gravity"),
-    [(0.5, 1.5), (1.5, 0.5), (0.05, 1.0), (1.0, 0.05)],
-)
+@pytest.mark.parametrize(("inertia", "gravity"), [(0.5, 1.5), (1.5, 0.5), (0.05, 1.0), (1.0, 0.05)])
 def test_a_model_with_errors_passes(inertia: float, gravity: float) -> None:
     body = pendulum(J * inertia, MGL * gravity)
     for kind in ("coulomb", "viscous alone", "cogging", "biased", "a current"):

@@ -9,15 +9,7 @@ from hypothesis import strategies as st
 import frictionjoint as fj
 from frictionjoint.effects import nonlinear_viscous
 from frictionjoint.joint_friction import SimulatedEffect
-from tests.standing import (
-    LINKAGE,
-    law,
-    one_joint,
-    plain_mass,
-    random_tree,
-    table,
-    with_friction,
-)
+from tests.standing import LINKAGE, law, one_joint, plain_mass, random_tree, table, with_friction
 
 STEPPING = ["Euler", "implicit", "implicitfast"] + (
     ["discrete"] if hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE") else []

@@ -28,10 +28,7 @@ FS, FC, VS, SIGMA2, STIFFNESS = 0.8, 0.5, 0.1, 0.1, 400.0
 # the plants' names of laws that the package has too
 PLANTS = {"lugre": "lugre", "elasto-plastic": "elastoplastic", "gms": "maxwell_slip"}
 START = LawStart(excess=0.3, Vs=0.1, delta=1.2, length=1e-3, bend=(0.4, 0.4))
-MOTIONS = (
-    Motion("ramps", 3, 0.3, 1.0, 12.0),
-    Motion("sines", 4, 0.3, 1.0, 8.0),
-)
+MOTIONS = (Motion("ramps", 3, 0.3, 1.0, 12.0), Motion("sines", 4, 0.3, 1.0, 8.0))
 
 
 @pytest.fixture(scope="module", params=PLANTS)

@@ -98,8 +98,7 @@ def test_units_are_converted_where_they_are_named(
 ) -> None:
     size = {name: 1.0 / factor.get(name, 1.0) for name in ("time", "position", "torque")}
     path = csv(
-        tmp_path / "a.csv",
-        columns=(size["time"] * T, size["position"] * Q, size["torque"] * TAU),
+        tmp_path / "a.csv", columns=(size["time"] * T, size["position"] * Q, size["torque"] * TAU)
     )
     log = read_log(path, units=unit)
     for name, x in (("time", T), ("position", Q), ("torque", TAU)):

@@ -144,8 +144,7 @@ def test_in_the_gap_nothing_acts_and_beyond_it_the_flank_holds():
 def test_what_cannot_be_said_is_refused_or_warned_of():
     with pytest.warns(RuntimeWarning, match="its spring of 200 Hz is softened to"):
         installed(
-            spec_of(*BODIES["in the armature"]),
-            (joint_elasticity.EFFECT, (200.0, 0.05), (0.03,)),
+            spec_of(*BODIES["in the armature"]), (joint_elasticity.EFFECT, (200.0, 0.05), (0.03,))
         )
     two = '<joint name="other" axis="0 1 0"/>'
     spec = spec_of(*BODIES["in the armature"], more=two)

@@ -10,13 +10,7 @@ from scipy.linalg import toeplitz
 from trial_logs import quiet
 
 from frictionjoint.diagnose import motions
-from frictionjoint.diagnose.motions import (
-    Carried,
-    Limits,
-    between,
-    family,
-    least_travel,
-)
+from frictionjoint.diagnose.motions import Carried, Limits, between, family, least_travel
 from frictionjoint.diagnose.proposal import (
     LEVEL,
     UNLIKE,
@@ -27,12 +21,7 @@ from frictionjoint.diagnose.proposal import (
     to_sharpen,
 )
 from frictionjoint.diagnose.report_parts import rivals
-from frictionjoint.diagnose.separation import (
-    Noise,
-    moments,
-    separation,
-    with_further,
-)
+from frictionjoint.diagnose.separation import Noise, moments, separation, with_further
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.signals import LOAD, N_SIGNALS, A, Q, V

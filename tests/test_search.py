@@ -21,15 +21,9 @@ PLANT = replace(PENDULUM, instrument=replace(PENDULUM.instrument, rate=250.0))
 # an effect, as the plant has it, and numbers of it that the search must find, with a tolerance
 SINGLE = {
     "torque-bias": ({"bias": 0.15}, {"bias": (-0.15, 0.02)}),
-    "position-periodic": (
-        {"amplitude": 0.15, "cycles": 14.0, "phase": 0.4},
-        {"N": (14.0, 0.01)},
-    ),
+    "position-periodic": ({"amplitude": 0.15, "cycles": 14.0, "phase": 0.4}, {"N": (14.0, 0.01)}),
     "measurement-delay": ({"delay": 0.012}, {"delay": (0.0125, 0.04)}),
-    "warm-up-drift": (
-        {"level": 0.4, "viscous": 0.2, "rise": 20.0, "tau": 8.0, "scale": 15.0},
-        {},
-    ),
+    "warm-up-drift": ({"level": 0.4, "viscous": 0.2, "rise": 20.0, "tau": 8.0, "scale": 15.0}, {}),
 }
 
 

@@ -5,18 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from law_shapes import law_at
-from servo_plant import (
-    COUNT,
-    KNOWN,
-    PLANT,
-    PLANT_STEP,
-    TICK,
-    moved,
-    servo,
-    sines,
-    steps,
-    swept,
-)
+from servo_plant import COUNT, KNOWN, PLANT, PLANT_STEP, TICK, moved, servo, sines, steps, swept
 
 from frictionjoint.control.kernel import KP, STATE, one_tick
 from frictionjoint.control.kernel import TICK as TICK_AT

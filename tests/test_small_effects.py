@@ -30,13 +30,7 @@ def models(base: Fit, over_friction: float, left: float) -> tuple[Scored, Scored
 
 @pytest.mark.parametrize(
     ("over_friction", "left", "needs"),
-    [
-        (2.0, 0.5, True),
-        (0.5, 0.5, False),
-        (0.5, 0.05, True),
-        (2.0, 0.8, False),
-        (0.5, 0.15, False),
-    ],
+    [(2.0, 0.5, True), (0.5, 0.5, False), (0.5, 0.05, True), (2.0, 0.8, False), (0.5, 0.15, False)],
     ids=[
         "as large as what remains",
         "no larger than a law's error",

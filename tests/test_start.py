@@ -158,9 +158,7 @@ def test_a_link_that_swings_when_a_log_begins_is_followed(swinging):
 
 
 @given(
-    resonance=st.floats(1.0, 20.0),
-    damping=st.floats(0.005, 0.2),
-    angle=st.floats(-np.pi, np.pi),
+    resonance=st.floats(1.0, 20.0), damping=st.floats(0.005, 0.2), angle=st.floats(-np.pi, np.pi)
 )
 def test_a_swing_let_go_decays_as_its_damping_says(resonance, damping, angle):
     """Torque of a free oscillator, from its equation: d'' = -(2 zeta w d' + w^2 d)."""

@@ -180,8 +180,7 @@ def test_without_heating_a_temperature_stays_as_set(effect, shape):
 
 
 @pytest.mark.parametrize(
-    ("effect", "shape"),
-    [(warm_up_drift.EFFECT, (20.0,)), (warm_up_drift.BY_LOSS, (20.0, 4.0))],
+    ("effect", "shape"), [(warm_up_drift.EFFECT, (20.0,)), (warm_up_drift.BY_LOSS, (20.0, 4.0))]
 )
 def test_a_joint_can_be_set_warm(effect, shape):
     model = model_of(TURNING, [(effect, shape, (0.5, 0.0))])

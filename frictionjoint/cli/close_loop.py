@@ -36,8 +36,7 @@ from frictionjoint.errors import LogError, ModelError
 from frictionjoint.law.names import LAWS
 
 Logs = Annotated[
-    list[Path] | None,
-    typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --robot."),
+    list[Path] | None, typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --robot.")
 ]
 Joints = Annotated[
     list[str] | None,
@@ -48,13 +47,7 @@ Joints = Annotated[
         "the logs contain.",
     ),
 ]
-Law = Annotated[
-    str | None,
-    typer.Option(
-        "--law",
-        help=f"{LAW_TO_FIT} Default: {LAWS[0]}.",
-    ),
-]
+Law = Annotated[str | None, typer.Option("--law", help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")]
 Seed = Annotated[
     int,
     typer.Option(

@@ -41,8 +41,7 @@ def evaluate(
     ] = None,
     controller: ControllerFile = None,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots."),
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots.")
     ] = None,
     fixed: Fixed = None,
     options: LogOptions = NO_OPTIONS,

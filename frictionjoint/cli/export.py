@@ -46,8 +46,7 @@ def export(
     yielding: Annotated[
         bool,
         typer.Option(
-            "--yield",
-            help="For `native` on MuJoCo 4.0: springs that yield represent presliding.",
+            "--yield", help="For `native` on MuJoCo 4.0: springs that yield represent presliding."
         ),
     ] = False,
     force: Force = False,

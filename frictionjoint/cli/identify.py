@@ -25,10 +25,7 @@ from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, progress, show_estimates
 from frictionjoint.law.names import LAWS
 
-Logs = Annotated[
-    list[Path],
-    typer.Argument(metavar="LOG", help=LOG_FORMATS),
-]
+Logs = Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)]
 Joint = Annotated[
     str | None,
     typer.Option(

@@ -31,9 +31,7 @@ def install(
     every: Annotated[
         Path | None,
         typer.Option(
-            "--all",
-            metavar="TOML",
-            help="Parameters for all other named hinge and slide joints.",
+            "--all", metavar="TOML", help="Parameters for all other named hinge and slide joints."
         ),
     ] = None,
     exclude: Annotated[
@@ -41,8 +39,7 @@ def install(
         typer.Option("--exclude", metavar="NAME", help="Joint that --all leaves out. Repeatable."),
     ] = None,
     replace: Annotated[
-        bool,
-        typer.Option("--replace", help="Replace friction that a joint has already."),
+        bool, typer.Option("--replace", help="Replace friction that a joint has already.")
     ] = False,
     clear_native: Annotated[
         bool,

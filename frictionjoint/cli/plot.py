@@ -5,13 +5,7 @@ from typing import Annotated
 
 import typer
 
-from frictionjoint.cli.logs import (
-    LOG_FORMATS,
-    NO_OPTIONS,
-    LogOptions,
-    log_paths,
-    reads_logs,
-)
+from frictionjoint.cli.logs import LOG_FORMATS, NO_OPTIONS, LogOptions, log_paths, reads_logs
 from frictionjoint.cli.output import Force, Open, open_page, require_writable
 from frictionjoint.cli.terminal import progress, warnings_afterwards
 from frictionjoint.errors import LogError

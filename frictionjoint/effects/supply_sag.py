@@ -29,14 +29,7 @@ def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
 def _emfs(logs: Sequence[Commands]) -> list[Shape]:
     fastest = max(float(np.quantile(np.abs(x.velocity), 0.99)) for x in logs)
     supply = float(np.median([x.block[SUPPLY] for x in logs]))
-    return [
-        (
-            _SAG,
-            fraction * supply / fastest,
-        )
-        for fraction in _FRACTIONS
-        if fastest > 0.0
-    ]
+    return [(_SAG, fraction * supply / fastest) for fraction in _FRACTIONS if fastest > 0.0]
 
 
 EFFECT = Effect(

@@ -113,9 +113,7 @@ def _reach(parameters: Friction, coulomb: float) -> float:
 
 
 def add_yield_springs(
-    spec: mujoco.MjSpec,
-    springs: Mapping[str, YieldSprings],
-    plain: Mapping[str, PlainFriction],
+    spec: mujoco.MjSpec, springs: Mapping[str, YieldSprings], plain: Mapping[str, PlainFriction]
 ) -> mujoco.MjSpec:
     """Add the elements of joints, and plain friction except its Coulomb torque.
 

@@ -7,14 +7,7 @@ from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, pointer, room
 from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import (
-    commit,
-    row_size,
-    start_rival,
-    start_row,
-    step_rival,
-    step_row,
-)
+from frictionjoint.law.kernel import commit, row_size, start_rival, start_row, step_rival, step_row
 from frictionjoint.law.memory import CAPACITY, FH, HEADER, RATE, make_room
 from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction

@@ -16,24 +16,8 @@ joint alone under the impulse r that remains while Fh is constant:
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import (
-    INTEGRATED,
-    header_size,
-    hysteresis_torque,
-    presliding,
-    trial,
-)
-from frictionjoint.law.memory import (
-    CAPACITY,
-    DIRECTION,
-    FB,
-    FH,
-    HEADER,
-    N_MAX,
-    N_MIN,
-    RATE,
-    VIRGIN,
-)
+from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque, presliding, trial
+from frictionjoint.law.memory import CAPACITY, DIRECTION, FB, FH, HEADER, N_MAX, N_MIN, RATE, VIRGIN
 from frictionjoint.law.stribeck import FS, SIGMA2
 from frictionjoint.law.transition import segment_of_torque, slope
 

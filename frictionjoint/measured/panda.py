@@ -35,10 +35,7 @@ def read_panda(folder: Path, joint: str | None) -> JointLog:
     joint = one_joint(folder.name, JOINTS, joint)
     own = JOINTS.index(joint)
     quantities = {"position_rad": "positions", "velocity_rad_s": "velocity"}
-    columns = {
-        "time_s": parts["time"][:, 0].copy(),
-        "torque_nm": parts["torques"][:, own].copy(),
-    }
+    columns = {"time_s": parts["time"][:, 0].copy(), "torque_nm": parts["torques"][:, own].copy()}
     for i, name in enumerate(JOINTS):
         prefix = "" if i == own else f"{name}."
         columns |= {f"{prefix}{c}": parts[file][:, i].copy() for c, file in quantities.items()}

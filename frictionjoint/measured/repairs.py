@@ -72,9 +72,7 @@ def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple
     return found, tuple(notes)
 
 
-def without_lone_readings(
-    columns: Mapping[str, Array],
-) -> tuple[dict[str, Array], tuple[str, ...]]:
+def without_lone_readings(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
     """The columns with corrupt readings of position and temperature interpolated.
 
     A bus that loses a byte returns a distant position for one sample; no joint moves there and
@@ -213,9 +211,7 @@ def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
     )
 
 
-def without_repeats(
-    columns: Mapping[str, Array],
-) -> tuple[dict[str, Array], tuple[str, ...]]:
+def without_repeats(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
     """One row per measurement if the recorder repeated rows.
 
     A recorder that writes faster than it measures repeats rows. Kept, they would turn the motion

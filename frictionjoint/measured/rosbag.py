@@ -97,10 +97,7 @@ def read_rosbag(
 
 
 def _read_fields(
-    path: Path,
-    joint: str | None,
-    mapping: dict[str, str],
-    units: Mapping[str, str] | None,
+    path: Path, joint: str | None, mapping: dict[str, str], units: Mapping[str, str] | None
 ) -> JointLog:
     """A log from named fields of the messages of a topic, of whatever type."""
     topic = mapping.pop("topic", None)

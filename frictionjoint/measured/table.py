@@ -15,13 +15,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import hdf5, parquet, text_table
-from frictionjoint.measured.arrays import (
-    mat_columns,
-    mat_names,
-    npz_columns,
-    npz_names,
-    whole,
-)
+from frictionjoint.measured.arrays import mat_columns, mat_names, npz_columns, npz_names, whole
 from frictionjoint.measured.columns import (
     check_names,
     choose,

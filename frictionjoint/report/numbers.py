@@ -188,9 +188,7 @@ def carried(content: Content) -> tuple[Number, ...]:
             continue
         estimate = known.get(name)
         law[name] = Estimate(
-            float(value),
-            estimate.stderr if estimate else None,
-            estimate.unit if estimate else "1",
+            float(value), estimate.stderr if estimate else None, estimate.unit if estimate else "1"
         )
     if "stiffness" in known and "stiffness" not in law:
         law["stiffness"] = known["stiffness"]

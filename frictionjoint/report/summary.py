@@ -19,13 +19,7 @@ from frictionjoint.report.error_figures import (
     noise_of,
     units_of,
 )
-from frictionjoint.report.evidence import (
-    Candidate,
-    EffectRow,
-    effect_of,
-    step_of,
-    threshold_of,
-)
+from frictionjoint.report.evidence import Candidate, EffectRow, effect_of, step_of, threshold_of
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import Number, carried, friction_card, result_estimates
 

@@ -27,10 +27,7 @@ def write_units_report(report: UnitsReport, folder: Path, command: str) -> None:
     try:
         write_files(
             folder,
-            {
-                "report.json": json_text(content),
-                "report.html": render_units(report, content),
-            },
+            {"report.json": json_text(content), "report.html": render_units(report, content)},
         )
         for name, unit in report.units.items():
             write_robot_report(unit, folder / name, command)

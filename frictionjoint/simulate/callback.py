@@ -8,23 +8,10 @@ For a model without friction they only look through its numerics.
 import mujoco
 import numpy as np
 
-from frictionjoint.simulate.carrier import (
-    DOF,
-    EFFECTS,
-    HEAD,
-    JOINT,
-    MAGIC,
-    QPOS,
-    RESOLVED,
-    ROW,
-)
+from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
 from frictionjoint.simulate.fast_step import joint_torque
 from frictionjoint.simulate.implicit_mass import put_in, take_back
-from frictionjoint.simulate.joint_effects import (
-    asks_for_load,
-    coupled_load,
-    joint_effects,
-)
+from frictionjoint.simulate.joint_effects import asks_for_load, coupled_load, joint_effects
 from frictionjoint.simulate.layout import data_structure
 from frictionjoint.simulate.motor_demand import commanded_torque, controls, gives_less
 from frictionjoint.simulate.native import PGS, PROJECTED, RK4

@@ -18,14 +18,7 @@ import numpy as np
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import in_line
-from frictionjoint.law.integrated import (
-    KNOTS,
-    MASING,
-    NEGATIVE,
-    POSITIVE,
-    SIGMA1,
-    undisturbed,
-)
+from frictionjoint.law.integrated import KNOTS, MASING, NEGATIVE, POSITIVE, SIGMA1, undisturbed
 from frictionjoint.law.kernel import INTEGRATED
 from frictionjoint.law.memory import (
     BOUND,

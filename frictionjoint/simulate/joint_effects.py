@@ -165,10 +165,7 @@ def unit_gravity(
     bx = tx * R[r] + ty * R[r + 3] + tz * R[r + 6]
     by = tx * R[r + 1] + ty * R[r + 4] + tz * R[r + 7]
     bz = tx * R[r + 2] + ty * R[r + 5] + tz * R[r + 8]
-    return (
-        -(bx * e1x + by * e1y + bz * e1z),
-        -(bx * e2x + by * e2y + bz * e2z),
-    )
+    return (-(bx * e1x + by * e1y + bz * e1z), -(bx * e2x + by * e2y + bz * e2z))
 
 
 @compiled

@@ -73,15 +73,7 @@ def forget_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
 
 @in_line
 def torque_now(
-    P: Vector,
-    p: int,
-    effects: int,
-    X: Vector,
-    x: int,
-    t: float,
-    q: float,
-    v: float,
-    step: float,
+    P: Vector, p: int, effects: int, X: Vector, x: int, t: float, q: float, v: float, step: float
 ) -> float:
     """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects.
 

@@ -9,35 +9,13 @@ from typing import Any
 import numpy as np
 
 from frictionjoint.compiled import External, Table, pointer
-from frictionjoint.translate.kernel import (
-    Kernel,
-    built_in,
-    is_kernel,
-    is_shape,
-    place,
-    signature,
-)
-from frictionjoint.translate.kinds import (
-    DOUBLE,
-    REALS,
-    WHOLE,
-    Dialect,
-    elements,
-    is_tuple,
-    row_of,
-)
+from frictionjoint.translate.kernel import Kernel, built_in, is_kernel, is_shape, place, signature
+from frictionjoint.translate.kinds import DOUBLE, REALS, WHOLE, Dialect, elements, is_tuple, row_of
 
 _BINARY = {ast.Add: ("+", 4), ast.Sub: ("-", 4), ast.Mult: ("*", 5), ast.Div: ("/", 5)}
 _WHOLE_BINARY = {ast.BitAnd: "&", ast.BitOr: "|", ast.RShift: ">>", ast.LShift: "<<"}
 _FLOOR = {ast.FloorDiv: "floor_div", ast.Mod: "floor_mod"}
-_COMPARE = {
-    ast.Eq: "==",
-    ast.NotEq: "!=",
-    ast.Lt: "<",
-    ast.LtE: "<=",
-    ast.Gt: ">",
-    ast.GtE: ">=",
-}
+_COMPARE = {ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
 # precedence of operators, on the same scale as the numbers in _BINARY
 _CHOICE, _OR, _AND, _COMPARISON, _SUM, _UNARY, _ATOM = 0, 1, 2, 3, 4, 6, 7
 _HELPED = {"exp", "log", "expm1", "log1p", "sin", "cos", "tan", "atan", "tanh", "sqrt", "ceil"}

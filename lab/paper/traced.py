@@ -27,10 +27,7 @@ class Traced:
 def trace(p: Friction, turns: list[float], speed: float = 1e-5, per_leg: int = 400) -> Traced:
     """Drive a joint that never moved through turning points, rad, at constant speed, rad/s."""
     q = np.concatenate(
-        [
-            [turns[0]],
-            *(np.linspace(a, b, per_leg + 1)[1:] for a, b in itertools.pairwise(turns)),
-        ]
+        [[turns[0]], *(np.linspace(a, b, per_leg + 1)[1:] for a, b in itertools.pairwise(turns))]
     )
     P = p.pack()
     X = np.zeros(row_size(P, 0))

@@ -185,9 +185,6 @@ def claim() -> Claim:
         'whoever needs passivity for certain takes `variant="lampaert2002"` or a larger n.\n'
         "* **Stacks without end.** A decaying oscillation nests reversals without limit; the "
         "stacks hold a fixed number and say how much Fh may be off for what they gave up.\n\n"
-        + table(
-            ["n", "jump, N m", "formula", "work of the cycle, 1997", "2002"],
-            rows,
-        )
+        + table(["n", "jump, N m", "formula", "work of the cycle, 1997", "2002"], rows)
     )
     return Claim("weaknesses", "Known weaknesses", text, found, figure)

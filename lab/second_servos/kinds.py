@@ -28,10 +28,7 @@ def hide(kind: str, joint: Joint, rng: np.random.Generator) -> dict[str, float]:
     if kind == "deadband":
         return {"deadband": float(rng.uniform(0.008, 0.03) if leg else rng.uniform(0.012, 0.05))}
     if kind == "threshold":
-        return {
-            "threshold": float(rng.uniform(0.06, 0.35)),
-            "left": float(rng.uniform(0.2, 0.5)),
-        }
+        return {"threshold": float(rng.uniform(0.06, 0.35)), "left": float(rng.uniform(0.2, 0.5))}
     if kind == "rate":
         return {"rate": float(rng.uniform(1.0, 4.0) if leg else rng.uniform(0.8, 3.0))}
     if kind == "factor":

@@ -110,10 +110,7 @@ FORMS = {
         {"amplitude": 0.2, "cycles": 9.0, "phase": 0.4},
         lambda s, p: -0.2 * np.sin(9.0 * s["q"] + 0.4),
     ),
-    "nonlinear-viscous": (
-        {"c": 0.2, "power": 2.0},
-        lambda s, p: 0.2 * s["v"] * np.abs(s["v"]),
-    ),
+    "nonlinear-viscous": ({"c": 0.2, "power": 2.0}, lambda s, p: 0.2 * s["v"] * np.abs(s["v"])),
     "torque-gain": ({"error": 0.1}, lambda s, p: s["tau"] * 0.1 / 1.1),
 }
 

@@ -186,10 +186,7 @@ def _counts(position: NDArray, counts: int) -> NDArray:
 
 
 def write(
-    trial: Trial,
-    folder: Path,
-    names: Sequence[str] = (),
-    digits: Mapping[str, str] | None = None,
+    trial: Trial, folder: Path, names: Sequence[str] = (), digits: Mapping[str, str] | None = None
 ) -> list[Path]:
     """Write the logs (log0.csv, ... or `names`) and joint.xml into `folder`; the logs' paths.
 

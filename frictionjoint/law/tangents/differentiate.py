@@ -124,12 +124,7 @@ class Differentiated:
     def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
         if isinstance(value, ast.IfExp) and self.activity.moves(value):
             body, orelse = self._assign(target, value.body), self._assign(target, value.orelse)
-            return [
-                f"if {self._test(value.test)}:",
-                *_indented(body),
-                "else:",
-                *_indented(orelse),
-            ]
+            return [f"if {self._test(value.test)}:", *_indented(body), "else:", *_indented(orelse)]
         before: list[str] = []
         place = self.activity.as_is(target)
         if isinstance(target, ast.Subscript):
