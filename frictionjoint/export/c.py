@@ -9,15 +9,14 @@ import inspect
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from importlib import metadata
 
-import jinja2
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.signals import GEAR, GX, GY, LOAD, MOTOR, TEMP
 from frictionjoint.errors import ModelError
+from frictionjoint.export.scripts import rendered
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
@@ -87,14 +86,8 @@ def header(friction: Mapping[str, JointFriction], guard: str) -> str:
             )
     with_effects = any(carried.effects for carried in friction.values())
     functions = [torque_now, effects_torque] if with_effects else [torque_now]
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("frictionjoint.export", "."),
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return environment.get_template("friction.h.j2").render(
-        version=metadata.version("frictionjoint"),
+    return rendered(
+        "friction.h.j2",
         guard=f"FRICTIONJOINT_{_identifier(guard).upper()}",
         joints=joints,
         source=source(functions, _known(friction.values())),

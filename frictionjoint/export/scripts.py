@@ -13,27 +13,23 @@ import mujoco
 from frictionjoint.export.sliding import PlainFriction
 
 
-def _environment() -> jinja2.Environment:
-    made = jinja2.Environment(
+def rendered(template: str, **values: Any) -> str:
+    """The text of a template of this folder, which may also name this package's `version`."""
+    environment = jinja2.Environment(
         loader=jinja2.PackageLoader("frictionjoint.export", "."),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
         undefined=jinja2.StrictUndefined,
     )
-    made.filters["pystr"] = _quoted
-    made.filters["pyregex"] = lambda name: _quoted(re.escape(name))
-    return made
+    environment.filters["pystr"] = _quoted
+    environment.filters["pyregex"] = lambda name: _quoted(re.escape(name))
+    values["version"] = metadata.version("frictionjoint")
+    return environment.get_template(template).render(values)
 
 
 def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
-def _rendered(template: str, source: Path, **values: Any) -> str:
-    version = metadata.version("frictionjoint")
-    text = _environment().get_template(template)
-    return text.render(version=version, source=source.name, **values)
 
 
 def newton_text(source: Path, friction: Mapping[str, PlainFriction], model: mujoco.MjModel) -> str:
@@ -54,7 +50,9 @@ def newton_text(source: Path, friction: Mapping[str, PlainFriction], model: mujo
             "rest_q": float(model.qpos_spring[q] - model.qpos0[q]),
         }
     step = float(model.opt.timestep)
-    return _rendered("newton.py.j2", source, joints=joints, step=step, time_constant=2.0 * step)
+    return rendered(
+        "newton.py.j2", source=source.name, joints=joints, step=step, time_constant=2.0 * step
+    )
 
 
 def isaac_text(source: Path, friction: Mapping[str, PlainFriction], model: mujoco.MjModel) -> str:
@@ -69,7 +67,7 @@ def isaac_text(source: Path, friction: Mapping[str, PlainFriction], model: mujoc
             "viscous_friction": float(model.dof_damping[dof]),
             "armature": float(model.dof_armature[dof]),
         }
-    return _rendered("isaac.py.j2", source, joints=joints)
+    return rendered("isaac.py.j2", source=source.name, joints=joints)
 
 
 def mjlab_text(source: Path, out: Path, joints: list[str], model: mujoco.MjModel) -> str:
@@ -82,9 +80,9 @@ def mjlab_text(source: Path, out: Path, joints: list[str], model: mujoco.MjModel
     ]
     driven = [name for name in joints if name in moved]
     free = [name for name in joints if name not in moved]
-    return _rendered(
+    return rendered(
         "mjlab.py.j2",
-        source,
+        source=source.name,
         way=way,
         driven=[driven] if driven else [],
         free=[free] if free else [],
