@@ -23,9 +23,10 @@ from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import IN_MOTION
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import direction
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.robot.along import Along
-from frictionjoint.robot.corrections import Corrections, Shaft, direction
+from frictionjoint.robot.corrections import Corrections, Shaft
 from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.logs import read_robot
 

@@ -32,8 +32,8 @@ from frictionjoint.effects.signals import TIME, A, Q, V
 from frictionjoint.identify.fit import IN_MOTION
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.prepare import prepare
+from frictionjoint.identify.rigid_body import direction
 from frictionjoint.identify.weights import errors_elsewhere, weighted
-from frictionjoint.robot.corrections import direction
 from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.logs import read_robot
 

@@ -1,7 +1,9 @@
 """Rigid-body torque at one joint along a measured motion, from the user's own MJCF.
 
 It uses MuJoCo's inverse dynamics. Contacts, limits and all friction or damping of the joint in the
-MJCF are left out, because friction is identified; samples at a limit are reported.
+MJCF are left out, because friction is identified; samples at a limit are reported. Coulomb friction
+of tendons between joints stays in the model: it is part of the load, except while the tendon stands
+still, when its torque is unknown.
 """
 
 from collections.abc import Mapping
@@ -20,6 +22,9 @@ from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 from frictionjoint.simulate.carrier import blocks
 from frictionjoint.simulate.native_friction import native_friction
+
+# part of a tendon's top speed over which its friction turns over
+TURNS = 0.01
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,7 @@ class RigidBody:
             self.model = compile_model(self.mjcf)
         self.joint = joint
         self.joint_id = _joint_id(self.model, joint)
+        _require_uncoupled(self.model, self.joint_id)
         self.poses = resolve(self.model, self.joint_id, fixed)
         take_pose(self.model, self.poses)
         others = [j for j in range(self.model.njnt) if j != self.joint_id]
@@ -179,8 +185,11 @@ class RigidBody:
             np.dot(weighs, centres, out=moments[k])
             mujoco.mj_mulM(model, data, column, unit)
             inertia[k] = column[dof]
+        rubbing, unknown = self._of_tendons({j: track[1] for j, track in tracks}, n)
+        load += rubbing
         if self.slide:
-            return RigidBodyTorque(load, *np.zeros((4, n)))
+            none = np.zeros(n)
+            return RigidBodyTorque(load, none, none, none, none, unknown)
         # torque the joint must supply: -(e x g).axis = -e.(g x axis), e turning with the body
         across = np.cross(model.opt.gravity, turns)
         R = frames.reshape(n, 3, 3)
@@ -193,7 +202,33 @@ class RigidBody:
         along = np.einsum("ni,ni->n", turns, moments)
         stiffness = moments @ g - along * (turns @ g)
         per_inertia = np.divide(1.0, inertia, out=np.zeros(n), where=inertia > 0.0)
-        return RigidBodyTorque(load, gx, gy, hold * per_inertia, stiffness * per_inertia)
+        return RigidBodyTorque(load, gx, gy, hold * per_inertia, stiffness * per_inertia, unknown)
+
+    def _of_tendons(self, velocity: Mapping[int, Array], n: int) -> tuple[Array, Array | None]:
+        """Torque of the Coulomb friction of tendons between joints, and how much of it is unknown.
+
+        Args:
+            velocity: of joints that move, by index, shape (n,).
+        """
+        model, load, unknown = self.model, np.zeros(n), np.zeros(n)
+        for t in np.flatnonzero(model.tendon_frictionloss):
+            wraps = int(model.tendon_adr[t]) + np.arange(int(model.tendon_num[t]))
+            if np.any(model.wrap_type[wraps] != mujoco.mjtWrap.mjWRAP_JOINT):
+                continue
+            turns = dict(zip(model.wrap_objid[wraps], model.wrap_prm[wraps], strict=True))
+            own = turns.get(self.joint_id, 0.0) * model.tendon_frictionloss[t]
+            if own:
+                speed = sum(c * velocity[j] for j, c in turns.items() if j in velocity)
+                load += own * direction(speed)
+                unknown += np.abs(own) * (1.0 - np.abs(direction(speed)))
+        return load, unknown if unknown.any() else None
+
+
+def direction(velocity: Array) -> Array:
+    """Direction of the friction of a tendon, which reverses within a small fraction of its top
+    speed, (n,)."""
+    top = float(np.quantile(np.abs(velocity), 0.99)) or 1.0
+    return np.asarray(np.tanh(velocity / (TURNS * top)))
 
 
 def _moved(model: mujoco.MjModel, body: int) -> slice:
@@ -215,6 +250,20 @@ def _joint_id(model: mujoco.MjModel, joint: str) -> int:
         kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
         raise ModelError(f"joint {joint!r} is a {kind} joint: friction acts on hinge and slide")
     return j
+
+
+def _require_uncoupled(model: mujoco.MjModel, j: int) -> None:
+    """Raise if an equality constraint shares the joint's torque with another joint."""
+    for k in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
+        pair = [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
+        if j in pair and model.eq_active0[k]:
+            other = [joint_label(model, i) for i in pair if i not in (j, -1)]
+            raise ModelError(
+                f"joint {model.joint(j).name!r}: an equality constraint "
+                f"{f'couples it to {other[0]!r}' if other else 'holds it'}, so no motion tells its "
+                "torque: take the constraint out of the MJCF and put the inertia of what the joint "
+                "drives through it into the joint's armature"
+            )
 
 
 def _across(axis: Array) -> tuple[Array, Array]:

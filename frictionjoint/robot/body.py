@@ -1,8 +1,7 @@
 """The rigid body around one joint of a corrected model.
 
-A shaft's Coulomb friction is a tendon's `frictionloss` in the corrected model. It is a constraint,
-which inverse dynamics omits together with the friction of the examined joint. Here it is known and
-is part of that joint's load, except while the shaft stands still, when its torque is unknown.
+The mean Coulomb friction of a shaft is a tendon's `frictionloss` there, which every `RigidBody`
+knows; how it changes along the shaft's turn is added here.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,8 +12,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.held import Pose
-from frictionjoint.identify.rigid_body import RigidBody, RigidBodyTorque
-from frictionjoint.robot.corrections import Shaft, direction
+from frictionjoint.identify.rigid_body import RigidBody, RigidBodyTorque, direction
+from frictionjoint.robot.corrections import Shaft
 
 
 class CorrectedBody(RigidBody):
@@ -46,13 +45,14 @@ class CorrectedBody(RigidBody):
         moves = {name: (q, v) for name, (q, v, _) in (others or {}).items()}
         moves[self.joint] = position, velocity
         still = np.zeros_like(position), np.zeros_like(velocity)
-        load, unknown = found.load, np.zeros_like(velocity)
+        load = found.load
+        unknown = np.zeros_like(velocity) if found.unknown is None else found.unknown
         for shaft in self.shafts:
             per_turn = shaft.per_turn(self.joint)
-            if per_turn:
+            if per_turn and shaft.waves:
                 one, other = (moves.get(name, still) for name in shaft.joints)
                 turn, speed = (a + shaft.ratio * b for a, b in zip(one, other, strict=True))
-                level = per_turn * (shaft.level + shaft.wave(turn))
+                level = per_turn * shaft.wave(turn)
                 load = load + level * direction(speed)
                 unknown = unknown + np.abs(level) * (1.0 - np.abs(direction(speed)))
         return replace(found, load=load, unknown=unknown if unknown.any() else None)

@@ -6,14 +6,13 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.identify.rigid_body import TURNS
 from frictionjoint.robot.inertia import of_model, write
 from frictionjoint.simulate.shaft_wave import ShaftWave, add_wave
 
 SHAFT_NUMBERS = ("level", "viscous", "concave", "inertia", "sin", "cos")
 # MJCF has six digits: what differs by less is the same body
 _SAME = 1e-9
-# part of a shaft's top speed over which its friction turns over
-_TURNS = 0.01
 
 
 @dataclass(frozen=True)
@@ -78,13 +77,6 @@ def levelling(velocity: Array, top: float) -> Array:
 def tendons_bend() -> bool:
     """Whether this MuJoCo has tendon damping that is a polynomial of speed."""
     return np.size(mujoco.MjSpec().add_tendon().damping) > 1
-
-
-def direction(velocity: Array) -> Array:
-    """Direction of a shaft's friction, which reverses within a small fraction of the top speed,
-    (n,)."""
-    top = float(np.quantile(np.abs(velocity), 0.99)) or 1.0
-    return np.asarray(np.tanh(velocity / (_TURNS * top)))
 
 
 @dataclass(frozen=True)
@@ -152,7 +144,7 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
         tendon.wrap_joint(shaft.joints[0], 1.0)
         tendon.wrap_joint(shaft.joints[1], shaft.ratio)
         if shaft.waves:
-            turns_over = _TURNS * shaft.top
+            turns_over = TURNS * shaft.top
             wave = ShaftWave(shaft.ratio, shaft.waves, shaft.sin, shaft.cos, turns_over)
             add_wave(spec, tendon.name, wave)
 
