@@ -30,6 +30,11 @@ KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
 FRICTION = fj.FrictionParameters.symmetric(
     Fs=1.5, Fc=1.0, Vs=0.01, sigma2=0.4, sigma1=0.5, n=2, knots=KNOTS
 )
+LEVELS = (0.5, 1.0, 1.5)
+SAMPLES = [
+    fj.FrictionParameters.symmetric(Fs=Fs, Fc=0.7 * Fs, Vs=0.01, sigma2=0.4, n=2, knots=KNOTS)
+    for Fs in LEVELS
+]
 ARM = """
 <mujoco model="robot">
   <default><geom contype="0" conaffinity="0"/></default>
@@ -281,27 +286,16 @@ def test_composer_equals_plain_steps_through_compiling_resets(legacy_step, recom
 
 
 def test_a_composer_task_draws_friction_anew_every_episode():
-    drawn = [
-        fj.FrictionParameters.symmetric(Fs=Fs, Fc=0.7 * Fs, Vs=0.01, sigma2=0.4, n=2, knots=KNOTS)
-        for Fs in (0.5, 1.0, 1.5)
-    ]
-    queue = list(drawn)
+    queue = list(SAMPLES)
     environment = composer.Environment(TwoRobots(lambda random_state: queue.pop(0)))
     with dm.attach(environment):
         ours = episodes(environment, 3)
-    for positions, parameters in zip(ours, drawn, strict=True):
+    for positions, parameters in zip(ours, SAMPLES, strict=True):
         task = TwoRobots(lambda _, same=parameters: same)
         task.initialize_episode_mjcf(None)
         text = task.root_entity.mjcf_model.to_xml_string()
         assert_same([positions], plain(mujoco.MjModel.from_xml_string(text)))
     assert np.abs(ours[0] - ours[2]).max() > 0.01
-
-
-LEVELS = (0.5, 1.0, 1.5)
-SAMPLES = [
-    fj.FrictionParameters.symmetric(Fs=Fs, Fc=0.7 * Fs, Vs=0.01, sigma2=0.4, n=2, knots=KNOTS)
-    for Fs in LEVELS
-]
 
 
 def arms() -> composer.Environment:
