@@ -53,36 +53,41 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     controls = {i: recording.drive[name] for name, i in m.controls.items() if i is not None}
     own = [k for k, name in enumerate(m.joints) if m.controls[name] is not None]
     free = [k for k in range(len(m.joints)) if k not in own]
-    states = []
+    acts, remembers, states = m.acts, m.remembers, []
+    qpos, qvel, qacc, inverse = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
     with m.acting():
+        model.opt.integrator = _EXPLICIT
+        _without_limits(model, True)
         for k in range(n):
             data.time = recording.time[k]
-            data.qpos[m.qpos], data.qvel[m.dofs], data.qacc[m.dofs] = q[k], v[k], a[k]
+            qpos[m.qpos], qvel[m.dofs], qacc[m.dofs] = q[k], v[k], a[k]
             led.put(data, k)
             for i, drive in controls.items():
                 data.ctrl[i] = drive[k]
             if k % every == 0:
-                model.opt.integrator = _EXPLICIT
+                _without_limits(model, False)
                 mujoco.mj_forward(model, data)
                 states.append(_state(model, data))
-                data.qacc[:] = 0.0
-                data.qacc[m.dofs] = a[k]
+                qacc[:] = 0.0
+                qacc[m.dofs] = a[k]
                 led.put(data, k)
-            _without_limits(model, True)
-            model.opt.integrator = _EXPLICIT
-            if m.acts:
+                _without_limits(model, True)
+            if acts:
                 mujoco.mj_fwdPosition(model, data)
                 mujoco.mj_fwdVelocity(model, data)
                 mujoco.mj_fwdActuation(model, data)
             mujoco.mj_inverse(model, data)
-            acting = data.qfrc_actuator[m.dofs] if m.acts else np.zeros(len(m.joints))
-            needed[k] = data.qfrc_inverse[m.dofs]
-            needed[k, free] -= acting[free]
-            given[k, own] = acting[own]
-            _without_limits(model, False)
-            if m.remembers:
+            needed[k] = inverse[m.dofs]
+            if acts:
+                acting = data.qfrc_actuator[m.dofs]
+                needed[k, free] -= acting[free]
+                given[k, own] = acting[own]
+            if remembers:
+                _without_limits(model, False)
                 model.opt.integrator = before[1]
                 mujoco.mj_step(model, data)
+                model.opt.integrator = _EXPLICIT
+                _without_limits(model, True)
     model.opt.timestep, model.opt.integrator, model.opt.disableflags = before
     return Along(
         dict(zip(m.joints, needed.T, strict=True)),
