@@ -167,10 +167,9 @@ class Along:
         for shaft, other in zip(after.shafts, before.shafts, strict=True):
             step = shaft.numbers - other.numbers
             if np.any(step):
-                bare = Shaft(shaft.joints, shaft.ratio, shaft.top, waves=shaft.waves)
-                if bare not in self._shafts:
-                    self._shafts[bare] = self.kept_shaft(bare)
-                found += self._shafts[bare] @ step
+                if shaft.bare not in self._shafts:
+                    self._shafts[shaft.bare] = self.kept_shaft(shaft)
+                found += self._shafts[shaft.bare] @ step
         return found
 
     @property

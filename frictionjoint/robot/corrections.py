@@ -44,6 +44,11 @@ class Shaft:
         """The values of `SHAFT_NUMBERS`, shape (6,)."""
         return np.array([getattr(self, name) for name in SHAFT_NUMBERS])
 
+    @property
+    def bare(self) -> "Shaft":
+        """The shaft without friction and inertia."""
+        return Shaft(self.joints, self.ratio, self.top, waves=self.waves)
+
     def moved(self, number: int, by: float) -> "Shaft":
         """The shaft with one of its numbers changed."""
         name = SHAFT_NUMBERS[number]
@@ -103,6 +108,11 @@ class Corrections:
     def moves_alike(self, other: "Corrections") -> bool:
         """Whether motion and gravity are the same with both."""
         return self.offset == other.offset and np.array_equal(self.gravity, other.gravity)
+
+    def linear_to(self, other: "Corrections") -> bool:
+        """Whether torques change from these corrections to others by numbers they are linear in."""
+        shafts = [[s.bare for s in x.shafts] for x in (self, other)]
+        return self.moves_alike(other) and shafts[0] == shafts[1]
 
     def with_body(self, body: int, phi: Array) -> "Corrections":
         """The corrections with other parameters of one body."""

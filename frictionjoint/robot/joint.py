@@ -85,7 +85,7 @@ class FittedJoint:
         before = self.prepared.segments
         segments = tuple(a.segment(s) for a, s in zip(alongs, before, strict=True))
         for segment, along, own in zip(segments, self.alongs, before, strict=True):
-            if along.state.moves_alike(state):  # then the change is linear
+            if along.state.linear_to(state):
                 load = own.balanced_load + along.linear(along.state, state)
                 segment.__dict__["balanced_load"] = load
         grown = np.concatenate(
