@@ -10,45 +10,25 @@ search runs again. An effect is found if it is named, or tied with what is named
 
 import argparse
 import json
+import sys
 import warnings
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.planting
 from trials import joint_of, on_one_thread
 
-from frictionjoint.diagnose.columns import signals_of
-from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.library import Candidate, effects
+from frictionjoint.diagnose.library import effects
 from frictionjoint.diagnose.sight import smallest
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
-
-
-def planted(
-    found: Trace, logs: list[JointLog], candidate: Candidate, rms: float, rng: np.random.Generator
-) -> list[JointLog]:
-    """The logs with the torque of an effect of random signs, rms N m over all of them."""
-    term = candidate.term
-    assert isinstance(term, EffectTerm)
-    bounds = term.effect.bounds or ((-np.inf, np.inf),) * len(term.coefficients)
-    way = np.array([1.0 if low >= 0.0 else rng.choice([-1.0, 1.0]) for low, _ in bounds])
-    size = rms / float(np.sqrt(np.mean((candidate.columns @ way) ** 2)))
-    changed = []
-    pairs = zip(logs, found.prepared.segments, signals_of(found.prepared, found.final), strict=True)
-    for log, segment, signals in pairs:
-        torque = term.columns(segment, signals) @ way * size
-        time = segment.signals[:, 0] + log.time[0]
-        assert log.torque is not None
-        changed.append(replace(log, torque=log.torque + np.interp(log.time, time, torque)))
-    return changed
+from tests.planting import planted
 
 
 def one_folder(folder: Path, each: int, times: float, seed: int) -> list[dict[str, Any]]:

@@ -8,12 +8,20 @@ import pytest
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.diagnose.library import effects
 from frictionjoint.diagnose.notes import notes
+from frictionjoint.diagnose.sight import smallest
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import Q
 from frictionjoint.errors import ParameterError
+from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters, term_estimates
+from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.readers import read_log
+from tests.planting import planted
+from tests.plants.plant import simulate, write
 from tests.plants.spec import Effect, Motion
 
 # 24 s at 250 Hz on a LuGre joint
@@ -71,6 +79,33 @@ def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
     assert sizes["torque-bias"].most < 0.5 * sizes["nonlinear-viscous"].most
     assert all(x.least <= x.most for x in sizes.values())
     assert f"torque-bias {sizes['torque-bias'].least:.2g}" in note
+
+
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory):
+    """Logs that hide nothing, what was found in them, and effects that they can test."""
+    folder = tmp_path_factory.mktemp("bare")
+    logs = [read_log(path, "joint") for path in write(simulate(PLANT), folder)]
+    body = RigidBody(folder / "joint.xml", "joint")
+    found = trace(prepare(logs, body))
+    assert found.findings == ()
+    blocks = make_blocks(found.prepared, found.final)
+    return logs, body, found, blocks, effects(found.prepared, found.final, blocks)
+
+
+def test_the_smallest_effect_that_is_stated_would_have_been_shown(bare):
+    """Half as much again is found, a third of it is not."""
+    logs, body, found, blocks, known = bare
+    name = "load-dependent"
+    candidate = next(c for c in known if c.term.name == name)
+    (stated,) = smallest(found.final, blocks, [candidate], found.sight.torque)
+    kind = next(x for x in found.sight.of_each if x.name == name)
+    assert 0.99 * kind.least <= stated <= 1.01 * kind.most
+    for times, shown in ((1.5, True), (0.3, False)):
+        rng = np.random.default_rng(1)
+        with_it = planted(found, logs, candidate, times * stated, rng)
+        names = {n for f in trace(prepare(with_it, body)).findings for n in (f.term.name, *f.ties)}
+        assert (name in names) == shown
 
 
 def named_by_its_quantity(folder, effect, quantity, said):
