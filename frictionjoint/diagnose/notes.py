@@ -161,6 +161,8 @@ def _sight_note(found: Trace) -> tuple[str, ...]:
             f"shown is {sight.torque:.2g} {unit} rms. About {sight.needed:.2g} s of such motion "
             "are needed.",
         )
+    if not sight.of_each:
+        return ()
     each = ", ".join(_smallest(x) for x in sight.of_each)
     lead = "The smallest further effect" if found.findings else "The smallest effect"
     return (
@@ -170,5 +172,7 @@ def _sight_note(found: Trace) -> tuple[str, ...]:
 
 
 def _smallest(x: Smallest) -> str:
+    if not np.isfinite(x.most):  # the model can imitate it
+        return f"{x.name} " + (f"{x.least:.2g} or more" if np.isfinite(x.least) else "at no size")
     least, most = f"{x.least:.2g}", f"{x.most:.2g}"
     return f"{x.name} {least}" if least == most else f"{x.name} {least} to {most}"
