@@ -192,8 +192,9 @@ class Along:
 
     def other(self, state: Corrections) -> Segment:
         """The log with the load under other corrections, where `original` has that under these."""
+        here = self.torque + self.of_shafts()
         found = self.corrected(state)
-        change = found.change() - self.change()
+        change = found.torque + found.of_shafts() - here
         return self._loaded(self.original, change, found._armature - self._armature)
 
     def _loaded(self, like: Segment, change: Array, armature: float) -> Segment:
@@ -209,9 +210,13 @@ class Along:
 
     def change(self) -> Array:
         """Torque that the corrections add to the model, without the joint's own rotor, (n,)."""
-        found = self.torque - self._believed
+        return self.torque - self._believed + self.of_shafts()
+
+    def of_shafts(self) -> Array:
+        """Torque of all shafts over the whole grid, shape (n,)."""
+        found = np.zeros(len(self.original.signals))
         for shaft in self.state.shafts:
-            found = found + self.shaft(shaft) @ shaft.numbers
+            found += self.shaft(shaft) @ shaft.numbers
         return found
 
     @cached_property

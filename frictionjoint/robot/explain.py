@@ -131,14 +131,20 @@ def _explained(task: Task) -> Explained:
     )
     trace, report = found.trace, with_recordings(found.report, task.logs, task.fixed)
     after = Fitted(trace.prepared, found.kept_back, trace.final)
+    without: dict[int, Rms] = {}
     if task.corrected == task.user:
         before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
         torque, place = report.before_torque, report.before_replay
     else:
         assert task.original is not None
-        before = _law_alone(task, task.original, after, trace)
+        alongs = _alongs(task, after)
+        before = _law_alone(task, task.original, after, alongs, trace)
         runs = _replays(before, task)
         torque, place = _torque(before, trace), replay_rms(*runs) if runs else Rms(None, None)
+        without = {
+            i: _torque(_law_alone(task, state, after, alongs, trace), trace)
+            for i, state in task.without.items()
+        }
     cov = stated_covariance(before.prepared, before.fit)
     increase = {}
     if report.after_torque.worse_than(torque):
@@ -154,29 +160,28 @@ def _explained(task: Task) -> Explained:
         increase=increase,
         torsion=torsion(task.logs, trace.prepared),
     )
-    without = {
-        i: _torque(_law_alone(task, state, after, trace), trace)
-        for i, state in task.without.items()
-    }
     return Explained(result, before, after, found.simulated, without, report.before_torque)
 
 
-def _law_alone(task: Task, state: Corrections, after: Fitted, trace: Trace) -> Fitted:
+def _alongs(task: Task, after: Fitted) -> list[tuple[Along, ...]]:
+    """Fitted logs, and held-out logs, as their load is under the corrections."""
+    assert task.corrections is not None
+    body, state = task.user.body(task.joint, task.fixed), task.corrections
+    kept_back = after.kept_back.segments if after.kept_back else ()
+    return [tuple(Along(body, s, state) for s in x) for x in (after.prepared.segments, kept_back)]
+
+
+def _law_alone(
+    task: Task, state: Corrections, after: Fitted, alongs: list[tuple[Along, ...]], trace: Trace
+) -> Fitted:
     """The law fitted under other corrections, on the same samples with the same weights."""
     assert task.shape is not None
-    prepared = _under(task, state, after.prepared)
+    segments, kept = (tuple(a.other(state) for a in x) for x in alongs)
+    prepared = replace(after.prepared, segments=segments)
     fits = [refit(prepared, (), shape) for shape in (task.shape, trace.base.shape)]
     prepared, best = settled(prepared, best_of(fits, lambda f: f.drive_rms))
-    kept_back = after.kept_back and _under(task, state, after.kept_back)
+    kept_back = after.kept_back and replace(after.kept_back, segments=kept)
     return Fitted(prepared, kept_back, best)
-
-
-def _under(task: Task, state: Corrections, prepared: Prepared) -> Prepared:
-    """The logs with the load under other corrections."""
-    assert task.corrections is not None
-    body = task.user.body(task.joint, task.fixed)
-    alongs = (Along(body, s, task.corrections) for s in prepared.segments)
-    return replace(prepared, segments=tuple(a.other(state) for a in alongs))
 
 
 def _torque(fitted: Fitted, trace: Trace) -> Rms:
