@@ -112,23 +112,30 @@ def _clearly_better_alone(state: State, term: Term, other: Term, blocks: Blocks)
 
 
 def settle_ties(state: State) -> None:
-    """Replace each effect by a richer one with which it is tied, if that one explains clearly more.
+    """Compare each effect with the best richer one; both are tied if they explain as much, unless
+    the richer one holds the other as a special case.
 
-    This is done only when all effects have been found. Before, the simpler effect is kept, because
-    the rest of the residual may come from another effect.
+    If they are tied and the richer one explains clearly more, it takes the place. This is done only
+    when all effects have been found. Before, the simpler effect is kept, because the rest of the
+    residual may come from another effect.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
-        ties = {n for f in state.findings if f.term.name == own[i].name for n in f.ties}
+        columns = state.fit.jacobian[:, state.fit.layout.coefficients(i)]
         richer = [
             c
             for c in _seen_with(state, own[i])
-            if c.term.name in ties and numbers_of(c.term) > numbers_of(own[i])
+            if numbers_of(c.term) > numbers_of(own[i])
+            and not c.contains(Candidate(own[i], columns))
         ]
-        if not richer:
+        if not richer or is_unnamed(own[i]):
             continue
         best, other = _in_place_of(state, blocks, i, richer)
-        if not as_much(scored(state.fit, blocks), scored(other, blocks)):
+        now, instead = scored(state.fit, blocks), scored(other, blocks)
+        if as_much(now, instead):
+            if as_much(instead, now):
+                _change(state, own[i], partial(Finding.tied_with, term=best.term))
+        elif any(best.term.name in f.ties for f in state.findings if f.term.name == own[i].name):
             _take(state, own[i], partial(_first_of_tie, candidate=best), other)
 
 
