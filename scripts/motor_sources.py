@@ -248,20 +248,20 @@ SOURCES = {
         refine=False,
     ),
     "so101": Source(
-        "SO-101 arm, Feetech STS3215 servos",
+        "SO-101 arm, Feetech STS3215 servo of joint Pitch",
         tuple(f"so101/{x}.csv" for x in ("friction_gravity", "frequency_sweep", "prbs_excitation")),
         ("so101/step_response.csv", "so101/actuator_bandwidth.csv"),
         ("so101.xml",),
-        None,
-        "https://github.com/isaac-sim2real/sage",
+        "Pitch",
+        "https://github.com/isaac-sim2real/sage/tree/2a7526e0",
         "Apache-2.0",
         controller="so101.controller.toml",
-        remark="The logs hold target and position. Torque is the position error times a gain found "
-        "from gravity; friction scales with it. Viscous friction includes back-EMF and the damping "
-        "of the servo's controller. Presliding is below the encoder's count.",
-        conditions="Whole arm moving, 0.15 rad about one pose, 50 Hz. Supply and load not stated.",
+        remark="The logs hold target and position. Torque is the position error times a gain that "
+        "they do not state: 14.5 N m/rad here, about 11 by the gravity on three joints in slow "
+        "motion, so torques are known to a third. Viscous friction includes back-EMF and the "
+        "damping of the servo's controller. Presliding is below the encoder's count.",
+        conditions="Whole arm moving by 0.15 rad about one pose, 50 Hz. Supply not stated.",
         refine=False,
-        units={"Pitch": (), "Elbow": (), "Wrist_Pitch": ()},
     ),
     **{f"kr300_axis{i}": kr300(i) for i in range(1, 7)},
     "sts3250": Source(

@@ -205,6 +205,7 @@ def test_the_library_holds_what_users_ask_for():
         "kinova_gen3_small",
         "fr3_large",
         "fr3_small",
+        "so101",
     }
     wanted |= {f"ur10e_size{i}" for i in (2, 3, 4)}
     assert names == wanted
