@@ -4,7 +4,7 @@ import numpy as np
 
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import settle_ties, weigh_others
-from frictionjoint.diagnose.finding import Trace
+from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.library import named_of
 from frictionjoint.diagnose.nearest import (
     Replayed,
@@ -64,18 +64,10 @@ def finish_search(
         unit, _ = units_of(state.fit, state.prepared.slide)
         hints += [term.says(np.array([fraction]), unit) for term, fraction in not_given]
         drop_idle(state)
-    state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
-    found = with_last_freedoms(state.prepared, state.fit)
-    if found is not state.fit:
-        state.fit = found
-        drop_idle(state)
-    if by_motion and moving_nearest(state, replayed):
-        drop_idle(state)
-    drop_what_moves_worse(state, replayed)
-    # beside another law, or fewer effects, others may explain as much now
-    weigh_others(state)
-    settle_ties(state)
-    findings = restated(state, rng)
+    findings: tuple[Finding, ...] = ()
+    # a model without effects is the law alone
+    if state.fit.effects or not_given:
+        findings = _settled(state, replayed, by_motion, rng)
     prepared, base = alone
     base = _finished(prepared, base)
     if findings or not_given:
@@ -94,6 +86,24 @@ def finish_search(
         other_laws=state.laws.compared(state.prepared, state.fit),
         sight=sight(state.prepared, state.fit, state.look.chance, state.blocks, state.candidates),
     )
+
+
+def _settled(
+    state: State, replayed: Replayed, by_motion: bool, rng: np.random.Generator
+) -> tuple[Finding, ...]:
+    """Fit the model to its end; the effects that it still needs, with their evidence."""
+    state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
+    found = with_last_freedoms(state.prepared, state.fit)
+    if found is not state.fit:
+        state.fit = found
+        drop_idle(state)
+    if by_motion and moving_nearest(state, replayed):
+        drop_idle(state)
+    drop_what_moves_worse(state, replayed)
+    # beside another law, or fewer effects, others may explain as much now
+    weigh_others(state)
+    settle_ties(state)
+    return restated(state, rng)
 
 
 def _alike_hint(one: str, other: str) -> str:
