@@ -43,4 +43,4 @@ def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
 
     # what no fit changes is looked at again and again
     fixed = isinstance(term, EffectTerm) and not (term.follows_law or term.effect.on_motor)
-    return whole.store.get(term_key(term, None), made) if fixed else made()
+    return whole.columns.get(term_key(term, None), made) if fixed else made()

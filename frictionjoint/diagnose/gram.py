@@ -219,9 +219,9 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(
         blocks=blocks,
-        columns=np.asfortranarray(columns),
-        tested=np.asfortranarray(tested),
-        white=np.asfortranarray(white),
+        columns=columns,
+        tested=tested,
+        white=white,
         low=low,
         high=high,
         begun=np.concatenate([*begun, []]).astype(bool),

@@ -29,7 +29,6 @@ from frictionjoint.threads import side_by_side
 _RIVALS = (
     prompt_maxwell_slip(),
     forms_of("lugre"),
-    forms_of("elastoplastic"),
     forms_of("dahl_stribeck"),
     forms_of("static"),
     CONSTRAINT,

@@ -1,6 +1,7 @@
 """Orthonormal bases of tall matrices with few columns."""
 
 import numpy as np
+from scipy.linalg import qr
 
 from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
@@ -12,10 +13,12 @@ def orthonormal(X: Array) -> Array:
     Args:
         X: columns with similar norms, possibly none, shape (n, k).
     """
-    values, vectors = eigh(X.T @ X)
-    # smaller eigenvalues are rounding
-    independent = values > 1e-10 * values.max(initial=0.0)
-    return np.asarray(X @ (vectors[:, independent] / np.sqrt(values[independent])))
+    if not X.shape[1]:
+        return X
+    basis, triangle, _ = qr(X, mode="economic", pivoting=True, check_finite=False)
+    sizes = np.abs(np.diag(triangle))
+    # smaller ones are rounding
+    return np.asarray(basis[:, sizes > 1e-5 * sizes[0]])
 
 
 def pseudo_inverse(A: Array, rcond: float) -> Array:
@@ -39,6 +42,7 @@ def without(X: Array, known: Array) -> Array:
         X: shape (n,) or (n, k). known: with similar norms, possibly none, shape (n, m).
     """
     basis = orthonormal(known)
-    for _ in range(2):  # once leaves the rounding of the squares
-        X = X - basis @ (basis.T @ X)
-    return X
+    # columns in memory one after the other, as `Blocks.gram` reads them
+    rows = np.array(X.T, order="C")
+    rows -= (rows @ basis) @ basis.T
+    return np.asarray(rows.T)

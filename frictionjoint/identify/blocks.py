@@ -174,10 +174,11 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
     # a little more keeps the filter tame where the spectrum has deep holes
     lags[0] += noise * len(residual) + 1e-6 * lags[0]
     predictor = np.concatenate([[1.0], -solve_toeplitz(lags[:-1], lags[1:])])
-    out = np.empty_like(U)
-    for i in np.unique(log_index):
-        out[log_index == i] = lfilter(predictor, [1.0], U[log_index == i], axis=0)
-    return out
+    rows = np.empty(U.shape[::-1])
+    for own in np.split(np.arange(len(U)), np.flatnonzero(np.diff(log_index)) + 1):
+        log = slice(own[0], own[-1] + 1)
+        rows[:, log] = lfilter(predictor, [1.0], U[log].T)
+    return rows.T
 
 
 def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:

@@ -88,6 +88,14 @@ class Balance:
             found = list(each(make, range(len(self._parts))))
         return np.concatenate(found)
 
+    def differentiate(self, law: Shape) -> None:
+        """Evaluate a law and its derivatives in one pass, for `columns` and `moves`.
+
+        One after the other they would pass along the logs twice.
+        """
+        with side_by_side() as each:
+            list(each(partial(self._unit_moves, law), range(len(self._parts))))
+
     def _some_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
         """Columns for the logs of part i; the following methods also compute part i only."""
         known, names = self._parts[i].load_and_velocity, self.layout.base
@@ -234,14 +242,15 @@ class Balance:
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
         """Derivatives by the numbers of the law, shape (n, number)."""
         part, layout = self._parts[i], self.layout
-        dH, drate = part.tracks.tangents(law, of_rate="sigma1" in layout.base)
-        torque = beta[layout.base.index("Fc")] * dH
-        if drate is not None:
-            torque += beta[layout.base.index("sigma1")] * drate * part.velocity
-        for k, term in enumerate(terms):
-            if not term.follows_law:
-                continue
-            weights = beta[layout.coefficients(k)]
+        weights = [beta[layout.base.index(x)] for x in ("Fc", "sigma1") if x in layout.base]
+        found = np.tensordot(weights, self._unit_moves(law, i), axes=1)
+        following = [k for k, term in enumerate(terms) if term.follows_law]
+        if not following:
+            return found
+        _, dH, _ = part.tracks.tangents(law, of_rate=False)
+        torque = np.zeros_like(dH)
+        for k in following:
+            term, weights = terms[k], beta[layout.coefficients(k)]
             logs = zip(part.logs, part.places, self._signals(term, law, i), strict=True)
             for s, own, signals in logs:
                 level = signals[:, H].copy()
@@ -252,7 +261,19 @@ class Balance:
                     h = _SMALL / max(float(np.abs(tangent).max()), _SMALL)
                     signals[:, H] = level + h * tangent
                     torque[j, own] += (torque_of(term, s, signals, weights) - here) / h
-        return part.kept(torque)
+        return found + part.kept(torque)
+
+    def _unit_moves(self, law: Shape, i: int) -> Array:
+        """Derivatives of the columns of a law by its numbers, shape (columns, n, number)."""
+        part, damped = self._parts[i], "sigma1" in self.layout.base
+
+        def make() -> Array:
+            track, dH, drate = part.tracks.tangents(law, damped)
+            part.store.get(("track", law), lambda: track)
+            both = [dH] if drate is None else [dH, drate * part.velocity]
+            return np.stack([part.kept(x) for x in both])
+
+        return part.store.get(("moves", law, damped), make)
 
 
 def reaches(term: Term, span: float) -> list[tuple[float, float]]:

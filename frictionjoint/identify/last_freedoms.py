@@ -13,22 +13,23 @@ from dataclasses import replace
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
-from frictionjoint.identify.search import refit
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, IntegratedShape
+from frictionjoint.threads import side_by_side
 
 
 def with_last_freedoms(prepared: Prepared, fitted: Fit) -> Fit:
     """Use each of these options if it clearly reduces the residual."""
-    fitted = _with_sharp_sliding(prepared, fitted)
+    found = _with_sharp_sliding(prepared, fitted)
     for free in (IntegratedShape.with_damping, IntegratedShape.by_direction):
-        shape = fitted.shape
+        shape = found.shape
         if not isinstance(shape, IntegratedShape) or free(shape) == shape:
             continue
-        found = refit(prepared, fitted.effects, free(shape))
-        if _clearly_better(found, fitted):
-            fitted = _best_form(prepared, found)
-    return fitted
+        freed = refit(prepared, found.effects, free(shape), ROUGH)
+        if _clearly_better(freed, found):
+            found = _best_form(prepared, freed)
+    return fitted if found is fitted else refit(prepared, found.effects, found.shape)
 
 
 def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:
@@ -36,7 +37,9 @@ def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:
     if not isinstance(shape, IntegratedShape) or shape.sharp:
         return fitted
     # a narrow and a wide Stribeck curve are local minima of their own
-    found = [refit(prepared, fitted.effects, start) for start in shape.with_sharp_sliding()]
+    found = [
+        refit(prepared, fitted.effects, start, ROUGH) for start in shape.with_sharp_sliding()
+    ]
     best: Fit = best_of(found, lambda f: f.drive_rms)
     return best if _clearly_better(best, fitted) else fitted
 
@@ -53,5 +56,6 @@ def _best_form(prepared: Prepared, fitted: Fit) -> Fit:
     shape = fitted.shape
     assert isinstance(shape, IntegratedShape)
     others = [replace(shape, form=other.form) for other in INTEGRATED if other.form != shape.form]
-    found = [refit(prepared, fitted.effects, other) for other in others]
+    with side_by_side() as each:
+        found = list(each(lambda x: refit(prepared, fitted.effects, x, ROUGH), others))
     return best_of([fitted, *found], lambda f: f.drive_rms)

@@ -191,6 +191,7 @@ class Search:
         self.weight = prepared.weight
         # what an effect of the drive takes away must not pass for a small error
         self.size = self._size(prepared.balanced_drive)
+        self._at_law = law.vector()
         self._last: tuple[bytes, Solution] | None = None
 
     def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
@@ -241,7 +242,11 @@ class Search:
             at = self.layout.numbers(i)
             moved = tuple(float(n) for n in x[at.start - first : at.stop - first])
             terms.append(term.with_shape(moved) if moved else term)
-        return self.law.moved(x[: len(self.layout.law)]), tuple(terms)
+        numbers = x[: len(self.layout.law)]
+        # the law that a search starts from is known along the logs, unlike one that differs from it
+        # by rounding
+        law = self.law if np.array_equal(numbers, self._at_law) else self.law.moved(numbers)
+        return law, tuple(terms)
 
     def run(self, x: Array, steps: int, closeness: float) -> Place:
         """Result of some steps from x; finally, discontinuous numbers are also searched in
@@ -283,11 +288,15 @@ class Search:
         """
         still, axes = np.zeros(len(x)), np.diag(1.0 / self.scale)
 
+        def residual(at: Array) -> Array:
+            self.balance.differentiate(self.split(at)[0])
+            return np.concatenate([self.residual(at), still])
+
         def derivative(at: Array) -> Array:
             return np.vstack([self.derivative(at), math.sqrt(closeness * self.squares(at)) * axes])
 
         found = least_squares(
-            lambda at: np.concatenate([self.residual(at), still]),
+            residual,
             x,
             jac=derivative,
             bounds=self.bounds,

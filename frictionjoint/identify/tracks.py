@@ -53,11 +53,13 @@ class Tracks:
         time, q, edges, samples = self._whole(law)
         return self._on_grid(np.stack(law.hysteresis(time, q, edges)), samples)
 
-    def tangents(self, law: Shape, of_rate: bool) -> tuple[Array, Array | None]:
-        """Derivatives of H and, if requested, dz/dq by the numbers of a law, shape (k, n) each."""
+    def tangents(self, law: Shape, of_rate: bool) -> tuple[Array, Array, Array | None]:
+        """`along`, and derivatives of H and, if requested, dz/dq by the numbers of a law, (k, n)
+        each."""
         time, q, edges, samples = self._whole(law)
-        _, _, dH, drate = law.tangents(time, q, edges=edges)
-        return self._on_grid(dH, samples), self._on_grid(drate, samples) if of_rate else None
+        level, rate, dH, drate = law.tangents(time, q, edges=edges)
+        moves = self._on_grid(drate, samples) if of_rate else None
+        return self._on_grid(np.stack([level, rate]), samples), self._on_grid(dH, samples), moves
 
     def _on_grid(self, x: Array, samples: Index) -> Array:
         """Rows along whole paths, mapped to the grids of the logs."""
