@@ -172,15 +172,10 @@ class Balance:
     def _term(self, term: Term, law: Shape, i: int) -> Array:
         return columns_of_term(term, self._signals(term, law, i), self._parts[i])
 
-    def _term_torque(self, term: Term, own: Array, law: Shape, i: int) -> Array:
-        """Torque of a term with its coefficients, before the filter, shape (n,)."""
-        logs = zip(self._parts[i].logs, self._signals(term, law, i), strict=True)
-        return np.concatenate([torque_of(term, s, signals, own) for s, signals in logs])
-
-    def _signals(self, term: Term, law: Shape, i: int) -> Iterable[Array]:
+    def _signals(self, term: Term, law: Shape, i: int) -> list[Array]:
         """Signals of each log in the form that a term requires."""
         if term.follows_law:
-            return with_track(self._track(law, i), self._parts[i])
+            return list(with_track(self._track(law, i), self._parts[i]))
         return [s.signals for s in self._parts[i].logs]
 
     def _driven(self, terms: tuple[Term, ...], i: int) -> Spectra:
@@ -205,6 +200,7 @@ class Balance:
     ) -> Array:
         found = list(self._law_moves(law, terms if through_terms else (), beta, i).T)
         for k, term in enumerate(terms):
+            along = self._signals(term, law, i) if term.free_shape else []
             for j, (x, reach) in enumerate(reaches(term, self.span)):
                 if isinstance(term, DriveTerm | TargetTiming):
                     found.append(self._drive_move(terms, k, j, i))
@@ -224,7 +220,11 @@ class Balance:
                 h = _STEP * reach if np.isfinite(reach) else _SMALL
                 ends = [term.with_shape(_with(term.free_shape, j, x + d)) for d in (h, -h)]
                 own = beta[self.layout.coefficients(k)]
-                above, below = (self._term_torque(end, own, law, i) for end in ends)
+                logs = list(zip(self._parts[i].logs, along, strict=True))
+                above, below = (
+                    np.concatenate([torque_of(end, s, signals, own) for s, signals in logs])
+                    for end in ends
+                )
                 found.append(self._parts[i].kept((above - below)[None] / (2.0 * h))[:, 0])
         kept = len(self._parts[i].load_and_velocity)
         return np.column_stack(found) if found else np.zeros((kept, 0))
@@ -242,8 +242,8 @@ class Balance:
     def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
         """Derivatives by the numbers of the law, shape (n, number)."""
         part, layout = self._parts[i], self.layout
-        weights = [beta[layout.base.index(x)] for x in ("Fc", "sigma1") if x in layout.base]
-        found = np.tensordot(weights, self._unit_moves(law, i), axes=1)
+        levels = [beta[layout.base.index(x)] for x in ("Fc", "sigma1") if x in layout.base]
+        found = np.tensordot(np.array(levels), self._unit_moves(law, i), axes=1)
         following = [k for k, term in enumerate(terms) if term.follows_law]
         if not following:
             return found
@@ -270,8 +270,13 @@ class Balance:
         def make() -> Array:
             track, dH, drate = part.tracks.tangents(law, damped)
             part.store.get(("track", law), lambda: track)
-            both = [dH] if drate is None else [dH, drate * part.velocity]
-            return np.stack([part.kept(x) for x in both])
+            rows = [track[:1], dH]
+            if drate is not None:
+                rows += [track[1:] * part.velocity, drate * part.velocity]
+            # one transform for all rows; the first of each is the column itself
+            both = part.kept(np.concatenate(rows)).reshape(-1, len(rows) // 2, 1 + len(dH))
+            part.store.get(("law", self.layout.base, law), lambda: both[..., 0].copy())
+            return np.ascontiguousarray(both[..., 1:].transpose(1, 0, 2))
 
         return part.store.get(("moves", law, damped), make)
 

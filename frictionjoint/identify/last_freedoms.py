@@ -58,4 +58,5 @@ def _best_form(prepared: Prepared, fitted: Fit) -> Fit:
     others = [replace(shape, form=other.form) for other in INTEGRATED if other.form != shape.form]
     with side_by_side() as each:
         found = list(each(lambda x: refit(prepared, fitted.effects, x, ROUGH), others))
-    return best_of([fitted, *found], lambda f: f.drive_rms)
+    best: Fit = best_of([fitted, *found], lambda f: f.drive_rms)
+    return best

@@ -192,7 +192,9 @@ class Search:
         # what an effect of the drive takes away must not pass for a small error
         self.size = self._size(prepared.balanced_drive)
         self._at_law = law.vector()
+        # searches from several starts run side by side: read once
         self._last: tuple[bytes, Solution] | None = None
+        self._split: tuple[bytes, tuple[Shape, tuple[Term, ...]]] | None = None
 
     def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
         """Ranges of the numbers of a law, and of those of terms around their present values."""
@@ -236,6 +238,9 @@ class Search:
 
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
         """The law and the terms at a point."""
+        key, known = x.tobytes(), self._split
+        if known is not None and known[0] == key:
+            return known[1]
         first = self.layout.linear.stop
         terms = []
         for i, term in enumerate(self.terms):
@@ -246,7 +251,8 @@ class Search:
         # the law that a search starts from is known along the logs, unlike one that differs from it
         # by rounding
         law = self.law if np.array_equal(numbers, self._at_law) else self.law.moved(numbers)
-        return law, tuple(terms)
+        self._split = key, (law, tuple(terms))
+        return self._split[1]
 
     def run(self, x: Array, steps: int, closeness: float) -> Place:
         """Result of some steps from x; finally, discontinuous numbers are also searched in
@@ -310,7 +316,7 @@ class Search:
     def solved(self, x: Array) -> Solution:
         """Columns, target and coefficients at a point."""
         key = x.tobytes()
-        last = self._last  # searches from several starts run side by side
+        last = self._last
         if last and last[0] == key:
             return last[1]
         shape, terms = self.split(x)
