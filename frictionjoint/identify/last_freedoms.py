@@ -37,9 +37,7 @@ def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:
     if not isinstance(shape, IntegratedShape) or shape.sharp:
         return fitted
     # a narrow and a wide Stribeck curve are local minima of their own
-    found = [
-        refit(prepared, fitted.effects, start, ROUGH) for start in shape.with_sharp_sliding()
-    ]
+    found = [refit(prepared, fitted.effects, start, ROUGH) for start in shape.with_sharp_sliding()]
     best: Fit = best_of(found, lambda f: f.drive_rms)
     return best if _clearly_better(best, fitted) else fitted
 
