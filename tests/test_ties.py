@@ -10,6 +10,7 @@ from frictionjoint.diagnose.moves import Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.trace import _chosen, _Tried
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.terms import EffectTerm
 
@@ -56,3 +57,16 @@ def test_what_has_no_name_does_not_take_the_place_of_an_effect_that_explains_har
     part = tried("load-dependent", 0.4)
     assert _chosen(Scored(FIT, WITHOUT), [curve, part]).taken is curve
     assert _chosen(Scored(FIT, WITHOUT), [curve]).taken is curve
+
+
+def test_a_wave_of_the_encoder_takes_the_place_of_an_effect_that_explains_less():
+    """A curve with as small a lead does not: it bends with the data."""
+    named = tried("position-periodic", 0.45)
+    wave = of_term(EncoderTerm("position", 1.0, 0.1, (1.0, 0.0), 0.1), 0.34)
+    assert _chosen(Scored(FIT, WITHOUT), [wave, named]).taken is wave
+    curve = of_term(SplineTerm("position", -1.0, 1.0), 0.34)
+    assert _chosen(Scored(FIT, WITHOUT), [curve, named]).taken is named
+    # of hardly anything that is left less is no lead
+    close = tried("gravity-error", 0.01)
+    less = of_term(EncoderTerm("position", 1.0, 0.1, (1.0, 0.0), 0.1), 0.002)
+    assert _chosen(Scored(FIT, WITHOUT), [less, close]).taken is close

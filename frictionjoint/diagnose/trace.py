@@ -11,6 +11,7 @@ residual sum of squares, and if chance hardly does as much over the whole family
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -391,10 +392,11 @@ def _clearly(one: _Tried, other: _Tried) -> bool:
 
 def _much_before(unnamed: _Tried, best: _Tried, now: Scored) -> bool:
     """Whether an unnamed dependence explains so much that the best effect is only a part of it."""
-    if isinstance(unnamed.move.added[0].term, EncoderTerm):  # a wave, no curve
-        return unnamed.score.better(best.score)
     enough = (1.0 - TIE) * unnamed.score.gain(now)
-    return needed(unnamed.score, best.score) and best.score.gain(now) < enough
+    # an error of the encoder is a wave, not a curve that bends with the data
+    wave = isinstance(unnamed.move.added[0].term, EncoderTerm)
+    clearly = unnamed.score.better if wave else partial(needed, unnamed.score)
+    return clearly(best.score) and best.score.gain(now) < enough
 
 
 def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, ...]:
