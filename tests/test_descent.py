@@ -78,8 +78,9 @@ def test_a_law_that_hardly_moves_the_torque_moves_nothing_that_follows_it(logs, 
     fitted = refit(logs, terms, law, ROUGH)
 
     def hardly(self, shape, of_rate):
-        nothing = np.zeros((len(shape.variables), len(self.along(shape)[0])))
-        return nothing + 1e-320, nothing if of_rate else None
+        track = self.along(shape)
+        nothing = np.zeros((len(shape.variables), len(track[0])))
+        return track, nothing + 1e-320, nothing if of_rate else None
 
     monkeypatch.setattr(Tracks, "tangents", hardly)
     moves = Balance(logs, fitted.shape, fitted.terms).moves(fitted.shape, fitted.terms, fitted.beta)
