@@ -4,8 +4,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.effects.signals import A, parts_of_load
+from frictionjoint.effects.signals import GX, GY, LOAD, A
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
@@ -13,7 +15,7 @@ from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rival_shape import forms_of, start_of
 from frictionjoint.identify.rounding import in_order
 from frictionjoint.identify.search import ROUGH, Search, refit
-from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.starts import law_alone, ripened
 from frictionjoint.identify.terms import EffectTerm
@@ -109,7 +111,7 @@ def with_assumed_damping(prepared: Prepared, fitted: Fit) -> Fit:
     if shape.damped and fitted.coefficient("sigma1") > 0.0:
         return fitted
     level, viscosity = fitted.levels
-    inertia = max(float(parts_of_load(s.signals[s.mask])[0]) for s in prepared.segments)
+    inertia = max(map(_inertia, prepared.segments))
     critical = 2.0 * math.sqrt(law_parameters(fitted).stiffness * max(inertia, 0.0))
     # a hundredth of the critical damping still brings a joint to rest within a hundred periods
     for part in (0.5**k for k in range(8)):
@@ -118,10 +120,21 @@ def with_assumed_damping(prepared: Prepared, fitted: Fit) -> Fit:
             break
         search = Search(prepared, fitted.terms, replace(shape, damping=wanted / level))
         found = search.result(search.start)
-        # a residual that grows by 1% shows nothing
-        if found.drive_rms <= 1.01 * fitted.drive_rms:
+        # a residual that grows by 1% shows nothing; a joint that would never come to rest is worse
+        # than a residual that is not clearly larger
+        most = 1.01 if part > 0.02 else 1.0 / (1.0 - CLEARLY)
+        if found.drive_rms <= most * fitted.drive_rms:
             return found
     return fitted
+
+
+def _inertia(segment: Segment) -> float:
+    """Mean inertia of the joint, kg m^2 (kg), next to what other joints' accelerations load on
+    it."""
+    others = [x for name, x in segment.others.items() if name.endswith(".acceleration")]
+    columns = np.column_stack([segment.signals[:, [A, GX, GY]], *others])[segment.mask]
+    load = segment.signals[segment.mask, LOAD]
+    return float(np.linalg.lstsq(columns, load, rcond=None)[0][0])
 
 
 def _holds(fitted: Fit) -> bool:
