@@ -25,7 +25,7 @@ from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit, timed
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import COARSE
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, all_but, in_place
+from frictionjoint.identify.terms import EffectTerm, Term, all_but, in_place
 from frictionjoint.threads import side_by_side
 
 # starts of each form of an effect that ripen on thinned logs and for how many steps; effects that
@@ -33,7 +33,7 @@ from frictionjoint.threads import side_by_side
 _RIPENING, _STEPS, _LEADERS = 2, 6, 3
 
 # fraction of the squares that an effect takes, and its term
-Ranked = tuple[float, DriveTerm | EffectTerm]
+Ranked = tuple[float, EffectTerm]
 
 
 class Driven(NamedTuple):
@@ -45,7 +45,7 @@ class Driven(NamedTuple):
     """
 
     look: Look
-    tried: tuple[tuple[DriveTerm | EffectTerm, Scored], ...]
+    tried: tuple[tuple[EffectTerm, Scored], ...]
     now: Scored
 
 
@@ -68,7 +68,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
     forms = _best_of_each_form(coarse, start, start.effects, terms)
 
-    def beside(term: DriveTerm | EffectTerm) -> Fit:
+    def beside(term: EffectTerm) -> Fit:
         return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, TRIED_STEPS)
 
     return judged(prepared, fitted, forms, beside, rng)
@@ -78,7 +78,7 @@ def judged(
     prepared: Prepared,
     fitted: Fit,
     forms: Sequence[Ranked],
-    beside: Callable[[DriveTerm | EffectTerm], Fit],
+    beside: Callable[[EffectTerm], Fit],
     rng: np.random.Generator,
 ) -> Driven | None:
     """The leading effects of the drive, fitted to all samples and scored.
@@ -93,7 +93,7 @@ def judged(
     for _, term in order[:_LEADERS]:
         found = beside(term)
         moved = found.effects[-1]
-        assert isinstance(moved, DriveTerm | EffectTerm)
+        assert isinstance(moved, EffectTerm)
         if found.acting >= LEAST_ACTING:
             tried.append((moved, scored(found, blocks)))
     if not tried:
@@ -145,14 +145,14 @@ def _is_first_of_its_name(k: int, ranked: Sequence[Ranked]) -> bool:
 
 
 def _best_of_each_form(
-    coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[DriveTerm | EffectTerm]
+    coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[EffectTerm]
 ) -> list[Ranked]:
     """For each form of an effect, the size with the smallest residual on thinned logs, best first.
 
     Each comes with the reduction of the squared residual, as a fraction of the squared drive.
     """
 
-    def begun(term: DriveTerm | EffectTerm) -> Place:
+    def begun(term: EffectTerm) -> Place:
         search = Search(coarse, timed(coarse, (*beside, term), start.shape), start.shape)
         x = search.start
         return Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x)
@@ -174,7 +174,7 @@ def _best_of_each_form(
     best: dict[Effect, Ranked] = {}
     for found in fits:
         term = found.effects[-1]
-        assert isinstance(term, DriveTerm | EffectTerm)
+        assert isinstance(term, EffectTerm)
         if found.acting < LEAST_ACTING:  # a drive of nothing explains nothing
             continue
         gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2

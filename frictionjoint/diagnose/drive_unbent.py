@@ -20,7 +20,7 @@ from frictionjoint.identify.rival_shape import prompt_maxwell_slip
 from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import COARSE, ripened, screened_starts
-from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.threads import side_by_side
 
 
@@ -37,7 +37,7 @@ def look_at_hidden_drive(
         return None
     own = [forms_like(fitted.shape)]
 
-    def beside(term: DriveTerm | EffectTerm) -> Fit:
+    def beside(term: EffectTerm) -> Fit:
         return unbent(prepared, (*fitted.effects, term), own)
 
     anew = unbent(prepared, fitted.effects, own)
@@ -57,7 +57,7 @@ def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:
         return []
     alone = ripened(coarse, fitted.effects, law)[0].cost
 
-    def left(term: DriveTerm | EffectTerm) -> float:
+    def left(term: EffectTerm) -> float:
         return screened_starts(coarse, (*fitted.effects, term), law)[0].cost
 
     with side_by_side() as each:

@@ -248,7 +248,7 @@ def _on_grid(prepared: Prepared, effects: list[Effect], signals: list[Array]) ->
     ]
 
 
-def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[DriveTerm | EffectTerm]:
+def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[EffectTerm]:
     """Every effect of the drive, if the drive is computed by a controller from commands.
 
     So are delays of a measurement, which shift the drive as a whole.
