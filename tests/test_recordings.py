@@ -15,6 +15,7 @@ from scipy.stats import t
 
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import with_known_drive
+from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.errors import LogError
 from frictionjoint.files import toml_document
 from frictionjoint.measured import JointLog
@@ -343,3 +344,13 @@ def test_each_joint_of_a_robot_states_how_it_differs() -> None:
     assert rows["sigma2"]["deviation"] < 0.1 * SIGMA2
     drawn = [x.parameters.Fc_pos for x in found.result.report.posterior.sample(300)]
     assert np.std(drawn) > 0.03
+
+
+def test_recordings_of_another_load_are_left_out() -> None:
+    arm = ARM.format(joint="", end="")
+    logs = [recording(i, Fc=Fc).part(slice(0, 1500), "") for i, Fc in ((40, 0.24), (41, 0.36))]
+    logs += [recording(i).part(slice(0, 1500), "") for i in (42, 50)]
+    found = close_loop(logs, {"log4*": arm, "log5*": arm}, "elbow", [], law="lugre", refine=False)
+    rows = {row["number"]: row for row in found.recordings}
+    assert [x["log"][:5] for x in rows["Fc"]["recordings"]] == ["log40", "log41", "log42"]
+    assert any("only under the load of log40" in note for note in found.notes)
