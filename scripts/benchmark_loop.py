@@ -147,6 +147,12 @@ def taken_out(commit: str, folder: Path) -> Path:
     if archive.returncode:
         sys.exit(archive.stderr.decode())
     subprocess.run(["tar", "-x"], cwd=folder, input=archive.stdout, check=True)
+    build = (
+        "from pathlib import Path; from frictionjoint.translate.build import build; "
+        "build(Path('frictionjoint/_native'), None)"
+    )
+    own = {"PYTHONPATH": str(folder), "FRICTIONJOINT_PYTHON": "1"}
+    subprocess.run([sys.executable, "-c", build], cwd=folder, env=os.environ | own, check=True)
     return folder
 
 

@@ -43,4 +43,7 @@ def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
 
     # what no fit changes is looked at again and again
     fixed = isinstance(term, EffectTerm) and not (term.follows_law or term.effect.on_motor)
-    return whole.columns.get(term_key(term, None), made) if fixed else made()
+    if not fixed:
+        return made()
+    swings = tuple(s.swing for s in prepared.segments)
+    return prepared.columns.get((term_key(term, None), swings), made)

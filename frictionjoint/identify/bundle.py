@@ -62,7 +62,6 @@ class Bundle(Generic[_Log]):
     Attributes:
         logs: at least one. places: slice of each among the n samples of all.
         store: cache of columns and targets of torque balances, and of laws along the logs.
-        columns: cache of columns of candidates that no fit changes.
     """
 
     def __init__(self, logs: Sequence[_Log]) -> None:
@@ -72,7 +71,6 @@ class Bundle(Generic[_Log]):
         self._kept = np.concatenate([log.kept for log in logs])
         # bytes; most results serve the next point of a search, or the next search
         self.store = Cache(12_000_000)
-        self.columns = Cache(12_000_000)
 
     @cached_property
     def tracks(self) -> Tracks:

@@ -18,6 +18,7 @@ from scipy.ndimage import maximum_filter1d
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DT, GEAR, LOAD, TIME, Q, V
 from frictionjoint.identify.bundle import Bundle
+from frictionjoint.identify.cache import Cache
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.noise import Noise
 from frictionjoint.identify.reversals import Path, path_of
@@ -309,13 +310,24 @@ class Prepared:
     def _thinned(self) -> dict[int, "Prepared"]:
         return {}
 
+    @cached_property
+    def columns(self) -> Cache:
+        """Cache of columns that change neither with a law nor with weights or initial states."""
+        return Cache(12_000_000)
+
+    def begun(self, segments: Sequence[Segment]) -> "Prepared":
+        """The logs with other initial states."""
+        found = replace(self, segments=tuple(segments))
+        vars(found)["columns"] = self.columns
+        return found
+
     def weighed(self, weights: Sequence[Array]) -> "Prepared":
         """The logs with other weights of their samples, shape (n,) each.
 
         Cached results stay valid: no column of a balance depends on a weight.
         """
         logs = zip(self.segments, weights, strict=True)
-        found = replace(self, segments=tuple(replace(s, weight=w) for s, w in logs))
+        found = self.begun([replace(s, weight=w) for s, w in logs])
         vars(found)["_bundles"] = self._bundles
         return found
 

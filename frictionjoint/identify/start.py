@@ -48,7 +48,7 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
         begun.append(segment if swing == own.swing else replace(segment, swing=swing))
     if all(a is b for a, b in zip(begun, prepared.segments, strict=True)):
         return prepared
-    return replace(prepared, segments=tuple(begun))
+    return prepared.begun(begun)
 
 
 def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.design import kept
+from frictionjoint.identify.design import id_of, kept
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, Term
 
@@ -33,4 +33,8 @@ def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
 
 def swings_of(prepared: Prepared, term: Term) -> Array:
     """Columns of `swing_columns` for all logs, two per log, shape (n, 2 k)."""
-    return np.asarray(block_diag(*(swing_columns(s, term)[0] for s in prepared.segments)))
+
+    def made() -> Array:
+        return np.asarray(block_diag(*(swing_columns(s, term)[0] for s in prepared.segments)))
+
+    return prepared.columns.get(("swings", id_of(term)), made)
