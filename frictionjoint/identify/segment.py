@@ -29,7 +29,7 @@ from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, gentle,
 
 # samples in a period of the balance's corner, in a fit and in a coarse search: with less than four
 # what the filter passes is folded back
-A_BALANCE, _A_COARSE = 4.0, 16.0
+A_BALANCE, _A_COARSE = 4.0, 32.0
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
 
