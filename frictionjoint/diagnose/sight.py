@@ -21,7 +21,8 @@ class Smallest:
     """The smallest effect of one kind that the logs would have shown, rms N m of its torque.
 
     Attributes:
-        least, most: of the shape that shows best, and of the one that shows worst.
+        least, most: of the shape that shows best, and of the one that shows worst. Infinite if it
+            would have to exceed the measured torque, because the model can imitate it.
     """
 
     name: str
@@ -89,7 +90,8 @@ def sight(
     named = [c for c in candidates if not c.unnamed]
     sizes: dict[str, list[float]] = {}
     for c, size in zip(named, smallest(fitted, blocks, named, torque), strict=True):
-        sizes.setdefault(c.term.name, []).append(size)
+        shown = size < fitted.target_rms
+        sizes.setdefault(c.term.name, []).append(size if shown else np.inf)
     each = sorted((Smallest(n, min(x), max(x)) for n, x in sizes.items()), key=lambda x: x.least)
     return Sight(torque, duration, duration * enough / count, tuple(each))
 
