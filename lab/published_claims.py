@@ -212,7 +212,7 @@ def robot(title, name):
         for program in robot_rivals.installed(asked):
             torque, replay, s = robot_rivals.by_program(program, name, case, asked)
             figure = f"torque error held out, mean of {joints} joints; free runs of 2 s"
-            runs = f"{replay:.2g} rad" if replay < 10.0 else "leave"
+            runs = f"{replay:.2g} rad" if replay < 10.0 else "diverge"
             cells = (
                 f"{torque:.1f}%; {runs}",
                 f"{s:.0f}" if s > 1.0 else f"{s:.1f}",

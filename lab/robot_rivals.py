@@ -262,7 +262,7 @@ def table(asked) -> str:
         case = case_of(ROBOTS[name], asked.data)
         for program in asked.only or installed(asked):
             torque, replay, seconds = by_program(program, name, case, asked)
-            error = "leaves" if not replay < 10.0 else f"{replay:.2g}"
+            error = "diverges" if not replay < 10.0 else f"{replay:.2g}"
             lines.append(f"| {name} | {program} | {torque:.1f}% | {error} | {seconds:.0f} |")
             print(lines[-1], flush=True)
     return "\n".join(lines)
