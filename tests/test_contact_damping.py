@@ -52,7 +52,7 @@ def test_a_law_is_freed_where_that_leaves_clearly_less(monkeypatch, left):
     """Each freedom by itself: of those that do not, none stays."""
     bare = SimpleNamespace(shape=INTEGRATED[0], effects=("spring",), drive_rms=1.0)
 
-    def refitted(prepared, effects, law):
+    def refitted(prepared, effects, law, closeness=None):
         assert (prepared, effects) == ("logs", ("spring",))
         rms = (left[0] if law.damped else 1.0) * (left[1] if law.negative else 1.0)
         return SimpleNamespace(shape=law, effects=effects, drive_rms=rms)

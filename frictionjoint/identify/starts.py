@@ -39,7 +39,7 @@ def fit(
         forms: of the law.
     """
     progress(f"fitting the friction law in {len(forms)} forms")
-    followed = ripened(prepared, terms, forms)
+    followed = _followed(screened_starts(prepared, terms, forms))
     # the two best forms, if the second costs at most twice as much
     finalists = [p for p in followed if p.cost <= 2.0 * followed[0].cost][:2]
     final = []
@@ -112,10 +112,7 @@ def with_times(
 def ripened(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
     """Each form of a law after some steps of a coarse search, best first, with the costs of that
     search."""
-    places = screened_starts(prepared.thinned(COARSE), terms, forms)
-    with side_by_side() as each:
-        found = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), places))
-    return in_order(found, lambda place: place.cost)
+    return _followed(screened_starts(prepared.thinned(COARSE), terms, forms))
 
 
 @one_thread
@@ -136,3 +133,10 @@ def screened_starts(
 
     with side_by_side() as each:
         return in_order(list(each(best, forms)), lambda place: place.cost)
+
+
+def _followed(places: Sequence[Place]) -> list[Place]:
+    """Results of some steps from each, best first."""
+    with side_by_side() as each:
+        found = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), places))
+    return in_order(found, lambda place: place.cost)

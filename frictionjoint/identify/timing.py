@@ -33,10 +33,9 @@ class Timing:
 
     @property
     def at_its_end(self) -> bool:
-        """Whether the offset is at an end of its range, so that it cannot be a sampling offset."""
+        """Whether the offset is as long as its sample, so that it cannot be a sampling offset."""
         # a longer offset may be an effect's
-        ((low, high),) = self.limits
-        return not 0.9 * low <= self.shape[0] <= 0.9 * high
+        return abs(self.shape[0]) > 0.9 * self.sample
 
     @property
     def free_shape(self) -> tuple[float, ...]:
