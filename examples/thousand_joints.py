@@ -12,7 +12,8 @@ import mujoco
 import numpy as np
 
 import frictionjoint as fj
-from frictionjoint.simulate.carrier import blocks, read_friction
+from frictionjoint.simulate.block import blocks
+from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.set_parameters import write_parameters
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
 

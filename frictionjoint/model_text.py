@@ -56,7 +56,8 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
 def _explained(text: str, model: mujoco.MjModel) -> str:
     """MJCF text with a comment for each joint that carries friction: its numbers in units."""
     from frictionjoint.describe import one_line
-    from frictionjoint.simulate.carrier import TAG, blocks, read_friction
+    from frictionjoint.simulate.block import TAG, blocks
+    from frictionjoint.simulate.carrier import read_friction
 
     if not blocks(model):
         return text

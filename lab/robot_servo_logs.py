@@ -36,7 +36,8 @@ from frictionjoint.files import joint_friction
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import joints_with_drive, read_log
 from frictionjoint.report.joint_report import Report
-from frictionjoint.simulate.carrier import blocks, install
+from frictionjoint.simulate.block import blocks
+from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
 
 LAST = 1.0 / 3.0

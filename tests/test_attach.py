@@ -10,7 +10,7 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate import attach
-from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC
+from frictionjoint.simulate.block import COUNT, HEAD, MAGIC
 from frictionjoint.simulate.check import check_model
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))

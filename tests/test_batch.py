@@ -6,7 +6,8 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.carrier import blocks, read_friction
+from frictionjoint.simulate.block import blocks
+from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.set_parameters import write_parameters
 
 Batch = pytest.importorskip("mujoco.batch", reason="MuJoCo before 3.17 has no Batch").Batch

@@ -13,7 +13,8 @@ import frictionjoint as fj
 from frictionjoint.effects.position_periodic import EFFECT
 from frictionjoint.errors import FrictionJointError, ModelError, ParameterError
 from frictionjoint.joint_friction import SimulatedEffect
-from frictionjoint.simulate.carrier import MAGIC, read_friction
+from frictionjoint.simulate.block import MAGIC
+from frictionjoint.simulate.carrier import read_friction
 
 XML = """
 <mujoco>

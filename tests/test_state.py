@@ -48,7 +48,8 @@ def run(m, data, steps, between=lambda m, d: None):
 def depth(m, data) -> float:
     """Extrema remembered by joint a beyond the limits."""
     from frictionjoint.law.memory import N_MAX, N_MIN
-    from frictionjoint.simulate.carrier import ROW, resolve
+    from frictionjoint.simulate.block import ROW
+    from frictionjoint.simulate.carrier import resolve
     from frictionjoint.simulate.row import FRONT
 
     at = int(m.numeric_data[resolve(m)["a"] + ROW]) + FRONT

@@ -21,7 +21,8 @@ from frictionjoint.rivals import (
     MaxwellSlipParameters,
     StaticParameters,
 )
-from frictionjoint.simulate.carrier import ROW, read_friction, resolve
+from frictionjoint.simulate.block import ROW
+from frictionjoint.simulate.carrier import read_friction, resolve
 from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import FRONT, evaluate, row_size
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model

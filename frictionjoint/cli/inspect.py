@@ -52,7 +52,8 @@ def inspect(
 
 def _of_model(file: Path) -> list[dict[str, Any]]:
     from frictionjoint.model_files import ONE_DOF, compile_model
-    from frictionjoint.simulate.carrier import blocks, read_friction
+    from frictionjoint.simulate.block import blocks
+    from frictionjoint.simulate.carrier import read_friction
 
     model = compile_model(file)
     carried = read_friction(model) if blocks(model) else {}

@@ -17,7 +17,8 @@ from frictionjoint.identify.held import Pose, joint_label, lock, take_pose
 from frictionjoint.identify.held import resolve as resolve_poses
 from frictionjoint.model_files import ONE_DOF, compile_model
 from frictionjoint.simulate.attach import attach
-from frictionjoint.simulate.carrier import blocks, read_friction
+from frictionjoint.simulate.block import blocks
+from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.native_friction import native_friction
 
 _ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))

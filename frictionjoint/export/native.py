@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionjoint.errors import ModelError
 from frictionjoint.export.sliding import PlainFriction
-from frictionjoint.simulate.carrier import TAG, blocks, have_rows, rows_of_block
+from frictionjoint.simulate.block import TAG, blocks, have_rows, rows_of_block
 from frictionjoint.simulate.shaft_wave import remove_waves
 
 # damping coefficients that a joint can have

@@ -20,7 +20,7 @@ from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_pose
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
-from frictionjoint.simulate.carrier import blocks
+from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.native_friction import native_friction
 
 # part of a tendon's top speed over which its friction turns over

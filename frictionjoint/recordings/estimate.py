@@ -35,7 +35,8 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.recordings.numbers import Number, changed, numbers_of, values_of
-from frictionjoint.simulate.carrier import blocks, install
+from frictionjoint.simulate.block import blocks
+from frictionjoint.simulate.carrier import install
 
 # step of a numerical derivative, as a fraction of the parameter
 _STEP = 0.02

@@ -27,7 +27,7 @@ from frictionjoint.mujoco_warnings import became_unstable, unheard
 from frictionjoint.replay.prescribed_motion import Free, Prescribed
 from frictionjoint.simulate.assumption_text import ASSUMED, remove_assumed
 from frictionjoint.simulate.attach import attach
-from frictionjoint.simulate.carrier import ROW as ROW_SLOT
+from frictionjoint.simulate.block import ROW as ROW_SLOT
 from frictionjoint.simulate.carrier import install, resolve
 from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor, add_motor

@@ -7,7 +7,8 @@ import mujoco
 
 from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.carrier import blocks, resolve
+from frictionjoint.simulate.block import blocks
+from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.idle_warning import callback_is_off, forget_warning
 from frictionjoint.simulate.installed import Backend, Hold, hold, release
 from frictionjoint.simulate.mechanism import require_flags

@@ -1,22 +1,4 @@
-"""Friction parameters inside a model: ``<custom><numeric name="frictionjoint:JOINT">``.
-
-MuJoCo writes six digits of a number into XML. So a block contains each number twice: once as a
-plain number, for a reader and for the callback, and once as four 16-bit integers, from which the
-exact double is restored when the block is resolved. A block is
-
-    0 MAGIC   1 version   2 resolved   3 qpos address   4 dof address   5 address of the state row
-    6 id of the joint   7 count of numbers N   8 where the effects begin
-    9.. N numbers: the law's block, then the effects' block       then 4 N integers
-
-If a plain number differs from its exact double in the first six digits, a user has changed the
-plain number, and the plain number is used.
-
-Slots 2 to 6 belong to one compiled model. `resolve` writes them, by name, so that ``MjSpec.attach``
-with a prefix works and the callback never looks up a name. Slot 2 is 0 before `resolve` and 1 after
-it; it is -1 if the callback met a model that cannot be resolved (`resolve_when_stepped`). A
-resolved block no longer needs the integers. If the model is not yet in use, `resolve` moves its
-blocks together without the integers, so that a step of many joints reads a quarter of the memory.
-"""
+"""Write friction into a model and read it, see `block` for the form."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -36,8 +18,24 @@ from frictionjoint.laws import unpack
 from frictionjoint.model_files import ONE_DOF, compiling
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
+from frictionjoint.simulate.block import (
+    COUNT,
+    DOF,
+    EFFECTS,
+    HEAD,
+    JOINT,
+    MAGIC,
+    QPOS,
+    RESOLVED,
+    ROW,
+    TAG,
+    VERSION,
+    blocks,
+    have_rows,
+    rows_of_block,
+)
 from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
-from frictionjoint.simulate.model_view import ModelView, names_of, tagged_numerics
+from frictionjoint.simulate.model_view import ModelView, names_of
 from frictionjoint.simulate.motor_demand import check_motors, gives_less
 from frictionjoint.simulate.native_friction import (
     clear_native_friction,
@@ -47,14 +45,9 @@ from frictionjoint.simulate.native_friction import (
 from frictionjoint.simulate.row import row_size
 from frictionjoint.simulate.sensor_delay import delay_sensors
 from frictionjoint.simulate.shaft_wave import resolve_waves
+from frictionjoint.simulate.uninstall import carrying, take_out
 from frictionjoint.simulate.userdata_room import make_room
 
-MAGIC = 199797.0
-VERSION = 1.0
-RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
-HEAD = 9
-REFUSED = -1.0
-TAG = "frictionjoint:"
 # MuJoCo 4.0.0 writes what is a 1e-12th of the largest number as zero
 LARGEST = 1e11
 
@@ -88,8 +81,6 @@ def install(
     require_spec(spec)
     require_friction(friction)
     joints = {joint.name: joint for joint in spec.joints}
-    from frictionjoint.simulate.uninstall import carrying, take_out  # it reads blocks as here
-
     replaced = [name for name in carrying(spec) if name in friction]
     for name in [*friction, *(effects or {})]:
         if name not in joints:
@@ -163,29 +154,6 @@ def _encode(law: Array, effects: list[SimulatedEffect]) -> Array:
 def pieces(numbers: Array) -> Array:
     """Four 16-bit integers for each double, which XML keeps exactly."""
     return np.frombuffer(numbers.astype("<f8").tobytes(), dtype="<u2").astype(np.float64)
-
-
-def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
-    """Address in ``numeric_data`` of each joint's block, by joint name."""
-    return tagged_numerics(model, TAG)
-
-
-def rows_of_block(block: Sequence[float]) -> int:
-    """Number of float64 of user data for a joint with this block."""
-    numbers = np.asarray(block, dtype=np.float64)
-    n_effects = int(numbers[int(numbers[EFFECTS])])
-    return row_size(int(law_row_size(numbers, HEAD)), n_effects)
-
-
-def have_rows(blocks: Sequence[Sequence[float]], nuserdata: int) -> bool:
-    """Whether `nuserdata` numbers of user data include the rows of all blocks of a model or spec.
-
-    Blocks that were added by ``MjSpec.attach`` have no rows, whatever user data the model has
-    itself.
-    """
-    need = sum(rows_of_block(block) for block in blocks)
-    known = (block[ROW] - 1 for block in blocks if block[RESOLVED] == 0.0 < block[ROW])
-    return need <= nuserdata and all(own + need == nuserdata for own in known)
 
 
 def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict[str, int]:

@@ -9,7 +9,8 @@ from frictionjoint.effects import heating, motor_temperature, temperature_depend
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
-from frictionjoint.simulate.carrier import HEAD, read_friction, resolve
+from frictionjoint.simulate.block import HEAD
+from frictionjoint.simulate.carrier import read_friction, resolve
 from frictionjoint.simulate.idle_warning import callback_is_off
 from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
 from frictionjoint.simulate.native_friction import MEND, native_friction, tendon_friction

@@ -24,8 +24,9 @@ from frictionjoint.errors import ModelError
 from frictionjoint.laws import kind_of
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.attach import attach as attach_model
-from frictionjoint.simulate.carrier import ROW, TAG, resolve, rows_of_block
+from frictionjoint.simulate.block import ROW, TAG, rows_of_block
 from frictionjoint.simulate.carrier import install as install_in_spec
+from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.friction_samples import FrictionSamples, Samples
 
 

@@ -5,7 +5,7 @@ import weakref
 
 import mujoco
 
-from frictionjoint.simulate.carrier import ROW
+from frictionjoint.simulate.block import ROW
 from frictionjoint.simulate.installed import is_installed, replaced
 from frictionjoint.simulate.row import STARTED, T_EVALUATED
 

@@ -26,7 +26,7 @@ from frictionjoint.effects.signals import (
 )
 from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW
+from frictionjoint.simulate.block import EFFECTS, HEAD, ROW
 from frictionjoint.simulate.row import (
     FRONT,
     GAIN_COMMITTED,

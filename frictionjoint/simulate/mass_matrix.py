@@ -10,7 +10,8 @@ import numpy as np
 
 from frictionjoint.arguments import require_data, require_model
 from frictionjoint.arrays import Array
-from frictionjoint.simulate.carrier import DOF, ROW, resolve
+from frictionjoint.simulate.block import DOF, ROW
+from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.row import BASE, WRITTEN
 
 

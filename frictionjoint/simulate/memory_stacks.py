@@ -7,7 +7,8 @@ import mujoco
 from frictionjoint.arguments import require_data, require_model
 from frictionjoint.law.memory import BOUND, FORGOTTEN, N_MAX, N_MIN
 from frictionjoint.parameters import FrictionParameters
-from frictionjoint.simulate.carrier import ROW, read_friction, resolve
+from frictionjoint.simulate.block import ROW
+from frictionjoint.simulate.carrier import read_friction, resolve
 from frictionjoint.simulate.row import FRONT
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import mujoco
 
 from frictionjoint.compiled import Table, compiled, entry_point, external
-from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
+from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
 from frictionjoint.simulate.fast_step import joint_torque
 from frictionjoint.simulate.implicit_mass import put_in, take_back
 from frictionjoint.simulate.joint_effects import asks_for_load, coupled_load, joint_effects

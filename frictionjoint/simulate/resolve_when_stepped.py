@@ -14,7 +14,8 @@ import mujoco
 
 from frictionjoint.compiled import external
 from frictionjoint.errors import ModelError, ParameterError
-from frictionjoint.simulate.carrier import MAGIC, REFUSED, RESOLVED, blocks, resolve
+from frictionjoint.simulate.block import MAGIC, REFUSED, RESOLVED, blocks
+from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.model_view import ModelView
 from frictionjoint.simulate.pointers import Address
 from frictionjoint.simulate.shaft_wave import SHAFT, wave_blocks

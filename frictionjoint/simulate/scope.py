@@ -14,7 +14,8 @@ from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
 from frictionjoint.law.memory import HEADER, N_MAX, N_MIN, RATE
 from frictionjoint.parameters import FrictionParameters
-from frictionjoint.simulate.carrier import ROW, read_friction, resolve
+from frictionjoint.simulate.block import ROW
+from frictionjoint.simulate.carrier import read_friction, resolve
 from frictionjoint.simulate.row import FRONT, GAIN, TORQUE
 from frictionjoint.simulate.torque import sticks
 

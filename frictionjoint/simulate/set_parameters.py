@@ -16,17 +16,8 @@ from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.carrier import (
-    COUNT,
-    EFFECTS,
-    HEAD,
-    MAGIC,
-    ROW,
-    heating_first,
-    read_effects,
-    resolve,
-    rows_of_block,
-)
+from frictionjoint.simulate.block import COUNT, EFFECTS, HEAD, MAGIC, ROW, rows_of_block
+from frictionjoint.simulate.carrier import heating_first, read_effects, resolve
 from frictionjoint.simulate.row import BASE, FRONT
 
 
@@ -62,7 +53,7 @@ def write_parameters(
     Args:
         numeric_data: ``model.numeric_data``, or a row of ``batch.expand("numeric_data")``;
             changed in place, only if all fits.
-        block: where the joint's block begins, from `carrier.blocks`.
+        block: where the joint's block begins, from `block.blocks`.
         parameters: as `set_parameters` takes them.
         joint: its name, for messages.
     Returns:

@@ -19,7 +19,8 @@ from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.effects.signals import TEMP
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.simulate.carrier import EFFECTS, HEAD, ROW, resolve
+from frictionjoint.simulate.block import EFFECTS, HEAD, ROW
+from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.row import FRONT, STARTED
 
 

@@ -14,7 +14,8 @@ from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
-from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, RESOLVED, ROW, blocks, resolve
+from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, RESOLVED, ROW, blocks
+from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.idle_warning import warn_if_idle
 from frictionjoint.simulate.row import FRONT, GAIN, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
 from frictionjoint.simulate.thermal import temperature_of

@@ -8,7 +8,7 @@ import numpy as np
 from frictionjoint.arguments import require_spec
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.assumption_text import remove_assumed
-from frictionjoint.simulate.carrier import COUNT, HEAD, MAGIC, TAG, have_rows, rows_of_block
+from frictionjoint.simulate.block import COUNT, HEAD, MAGIC, TAG, have_rows, rows_of_block
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import remove_waves
 

@@ -23,7 +23,7 @@ import functools
 from typing import Any
 
 from frictionjoint.effects.signals import N_SIGNALS
-from frictionjoint.simulate.carrier import DOF, EFFECTS, HEAD, JOINT, QPOS
+from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, QPOS
 from frictionjoint.simulate.joint_effects import coupled_load, effects_torque, unit_gravity
 from frictionjoint.simulate.row import (
     ASTRAY,

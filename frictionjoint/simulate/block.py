@@ -1,0 +1,59 @@
+"""Friction parameters inside a model: ``<custom><numeric name="frictionjoint:JOINT">``.
+
+MuJoCo writes six digits of a number into XML. So a block contains each number twice: once as a
+plain number, for a reader and for the callback, and once as four 16-bit integers, from which the
+exact double is restored when the block is resolved. A block is
+
+    0 MAGIC   1 version   2 resolved   3 qpos address   4 dof address   5 address of the state row
+    6 id of the joint   7 count of numbers N   8 where the effects begin
+    9.. N numbers: the law's block, then the effects' block       then 4 N integers
+
+If a plain number differs from its exact double in the first six digits, a user has changed the
+plain number, and the plain number is used.
+
+Slots 2 to 6 belong to one compiled model. `carrier.resolve` writes them, by name, so that
+``MjSpec.attach`` with a prefix works and the callback never looks up a name. Slot 2 is 0 before
+`resolve` and 1 after it; it is -1 if the callback met a model that cannot be resolved
+(`resolve_when_stepped`). A resolved block no longer needs the integers. If the model is not yet in
+use, `resolve` moves its blocks together without the integers, so that a step of many joints reads a
+quarter of the memory.
+"""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.simulate.model_view import ModelView, tagged_numerics
+from frictionjoint.simulate.row import row_size
+
+MAGIC = 199797.0
+VERSION = 1.0
+RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
+HEAD = 9
+REFUSED = -1.0
+TAG = "frictionjoint:"
+
+
+def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
+    """Address in ``numeric_data`` of each joint's block, by joint name."""
+    return tagged_numerics(model, TAG)
+
+
+def rows_of_block(block: Sequence[float]) -> int:
+    """Number of float64 of user data for a joint with this block."""
+    numbers = np.asarray(block, dtype=np.float64)
+    n_effects = int(numbers[int(numbers[EFFECTS])])
+    return row_size(int(law_row_size(numbers, HEAD)), n_effects)
+
+
+def have_rows(blocks: Sequence[Sequence[float]], nuserdata: int) -> bool:
+    """Whether `nuserdata` numbers of user data include the rows of all blocks of a model or spec.
+
+    Blocks that were added by ``MjSpec.attach`` have no rows, whatever user data the model has
+    itself.
+    """
+    need = sum(rows_of_block(block) for block in blocks)
+    known = (block[ROW] - 1 for block in blocks if block[RESOLVED] == 0.0 < block[ROW])
+    return need <= nuserdata and all(own + need == nuserdata for own in known)
