@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.earlier_friction import before_friction
-from frictionjoint.identify.held import Pose, joint_label, lock, resolve, take_pose
+from frictionjoint.identify.held import Pose, joint_label, resolve, take_pose
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 from frictionjoint.simulate.block import blocks
@@ -130,18 +130,6 @@ class RigidBody:
     def spec(self) -> mujoco.MjSpec:
         """A new spec of the MJCF, which the caller may change."""
         return read_spec(self.mjcf)
-
-    def hold(self, model: mujoco.MjModel) -> None:
-        """Hold all joints but this one, at the given positions or at qpos0.
-
-        A simulation of this joint alone requires it, because joints without a drive would fall.
-
-        Args:
-            model: compiled from `spec`, with additions; changed in place.
-        """
-        names = {self.model.joint(j).name: pose for j, pose in self.poses.items()}
-        take_pose(model, {model.joint(name).id: pose for name, pose in names.items()})
-        lock(model, model.joint(self.joint).id)
 
     def torque(
         self,

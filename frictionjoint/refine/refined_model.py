@@ -12,8 +12,8 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.measured.log import JointLog
 from frictionjoint.refine.refine import Refined, refine
 from frictionjoint.replay.closed_loop import driven_courses
-from frictionjoint.replay.free_runs import WINDOW_S
 from frictionjoint.replay.loops import LoopErrors, Loops
+from frictionjoint.replay.windows import WINDOW_S
 
 
 @dataclass(frozen=True)

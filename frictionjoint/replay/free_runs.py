@@ -1,13 +1,7 @@
-"""Replay: MuJoCo simulations restarted from measured states and driven by the measured torque.
-
-Every half second of the log the joint is set to its measured state, with the friction memory that
-the law has after the measured motion so far, and runs freely until the next restart. Other joints
-of an arm follow their measured motion. A voltage-driven joint is driven by the measured voltage;
-where the log says that its motor is off, no motor acts.
-"""
+"""Replay: MuJoCo simulations restarted from measured states and driven by the measured torque."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -15,26 +9,22 @@ import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
-from frictionjoint.effects.signals import TEMP, A, Q, V
+from frictionjoint.effects.signals import TEMP, Q
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.held import lock, take_pose
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, changed_drive
 from frictionjoint.joint_friction import SimulatedEffect
-from frictionjoint.mujoco_warnings import became_unstable, unheard
-from frictionjoint.replay.prescribed_motion import Free, Prescribed
+from frictionjoint.mujoco_warnings import unheard
+from frictionjoint.replay.windows import Windows
 from frictionjoint.simulate.assumption_text import ASSUMED, remove_assumed
 from frictionjoint.simulate.attach import attach
-from frictionjoint.simulate.block import ROW as ROW_SLOT
-from frictionjoint.simulate.carrier import install, resolve
+from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor, add_motor
-
-WINDOW_S = 0.5
-# Fine enough for presliding at usual stiffness; a log sampled finer than this sets the step.
-_LONGEST_STEP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -189,7 +179,7 @@ def simulated_whole(fitted: Fit, armature: float, in_closed_loop: bool = False) 
 
 
 def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit) -> Replay:
-    """Simulate the windows of all logs.
+    """Simulate the windows of all logs of one joint.
 
     Args:
         body: that the logs were prepared with, or one per log.
@@ -199,113 +189,37 @@ def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fi
     for one, some in itertools.groupby(
         zip(bodies, prepared.segments, strict=True), key=lambda pair: pair[0]
     ):
-        found += _of_body(one, [segment for _, segment in some], fitted)
+        logs = [{one.joint: segment} for _, segment in some]
+        poses = {one.model.joint(j).name: pose for j, pose in one.poses.items()}
+        found += replay_joints(one.spec(), logs, {one.joint: fitted}, poses).errors
     return Replay(tuple(found), max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments))
 
 
-def _of_body(body: RigidBody, segments: list[Segment], fitted: Fit) -> list[Array]:
-    """Errors of the logs that belong to one MJCF."""
-    # with what effects of the drive have made of it
-    segments = [changed_drive(s, fitted.terms) for s in segments]
-    spec = body.spec()
-    friction_spec(spec, body.joint, fitted)
+def replay_joints(
+    spec: mujoco.MjSpec,
+    logs: Sequence[Mapping[str, Segment]],
+    fits: Mapping[str, Fit],
+    poses: Mapping[str, Array],
+) -> Replay:
+    """Simulate the windows of all logs, all joints together.
+
+    Args:
+        spec: gets the friction of the joints. logs: of each log its driven joints.
+        poses: positions of joints that no log contains.
+    """
+    for joint, fitted in fits.items():
+        friction_spec(spec, joint, fitted)
     model = spec.compile()
-    body.hold(model)
+    take_pose(model, {model.joint(name).id: pose for name, pose in poses.items()})
+    lock(model, *(model.joint(name).id for name in fits), *(deflection(model, n) for n in fits))
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_ACTUATION
     model.opt.disableflags |= int(off)
-    motor = motor_of(fitted)
+    motors = {joint: motor_of(fitted) for joint, fitted in fits.items()}
+    found: list[Array] = []
     with attach(model), unheard():
-        return [_one_log(model, body, s, motor) for s in segments]
-
-
-def _one_log(
-    model: mujoco.MjModel, body: RigidBody, segment: Segment, motor: Motor | None
-) -> Array:
-    data = mujoco.MjData(model)
-    substeps = max(1, int(np.ceil(segment.dt / _LONGEST_STEP)))
-    model.opt.timestep = segment.dt / substeps
-    q, v = segment.signals[:, Q], segment.signals[:, V]
-    joints = [body.joint_id]
-    qpos, dof = int(model.jnt_qposadr[body.joint_id]), int(model.jnt_dofadr[body.joint_id])
-    ours = _row(model, body.joint)
-    link = deflection(model, body.joint)
-    free = Free(model, data, joints if link < 0 else [*joints, link])
-    others = Prescribed.of(model, data, segment)
-    memory = _memories(model, data, segment, qpos, dof, ours, link)
-    errors = np.full(len(q), np.nan)
-    length = max(2, round(WINDOW_S / segment.dt))
-    for begin in range(0, len(q) - length, length):
-        window = slice(begin, begin + length)
-        if not segment.mask[window].all():
-            continue
-        data.time = begin * segment.dt
-        data.qpos[qpos], data.qvel[dof] = q[begin], v[begin]
-        data.userdata[ours], ahead = memory[begin // length]
-        if link >= 0:
-            data.qpos[model.jnt_qposadr[link]], data.qvel[model.jnt_dofadr[link]] = ahead
-        for k in range(begin, begin + length - 1):
-            if others:
-                others.put(k)
-            for i in range(substeps):
-                part = i / substeps
-                now = (1 - part) * segment.drive[k] + part * segment.drive[k + 1]
-                if motor:
-                    now = motor.torque(now, data.qvel[dof]) if segment.driven[k] else 0.0
-                if others:
-                    free.step(now)
-                    data.time += free.dt
-                else:
-                    data.qfrc_applied[dof] = now
-                    mujoco.mj_step(model, data)
-            errors[k + 1] = data.qpos[qpos] - q[k + 1]
-        if became_unstable(data):
-            errors[begin + 1 : begin + length] = np.inf
-            mujoco.mj_resetData(model, data)
-    return errors
-
-
-def _row(model: mujoco.MjModel, joint: str) -> slice:
-    block = resolve(model)[joint]
-    start = int(model.numeric_data[block + ROW_SLOT])
-    return slice(start, model.nuserdata)
-
-
-def _memories(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    segment: Segment,
-    qpos: int,
-    dof: int,
-    ours: slice,
-    link: int,
-) -> list[tuple[Array, tuple[float, float]]]:
-    """State rows at the restarts, from the callback driven along the measured motion.
-
-    Each comes with position and velocity of the joint `link` behind an elastic one, which is driven
-    along as well.
-    """
-    rows = []
-    # samples, not steps of a simulation: a gap of several time steps would start the memory afresh
-    step, model.opt.timestep = model.opt.timestep, segment.dt
-    behind = Free(model, data, [link]) if link >= 0 else None
-    length = max(2, round(WINDOW_S / segment.dt))
-    for k in range(len(segment.signals)):
-        data.time = k * segment.dt
-        data.qpos[qpos] = segment.signals[k, Q]
-        data.qvel[dof] = segment.signals[k, V]
-        if k == 0:
-            mujoco.mj_forward(model, data)
-        else:
-            mujoco.mj_fwdPosition(model, data)
-            mujoco.mj_fwdVelocity(model, data)
-        ahead = (0.0, 0.0)
-        if link >= 0:
-            to, rate = model.jnt_qposadr[link], model.jnt_dofadr[link]
-            ahead = float(data.qpos[to]), float(data.qvel[rate])
-        if k % length == 0:
-            rows.append((data.userdata[ours].copy(), ahead))
-        if behind:
-            data.qacc[dof] = segment.signals[k, A]
-            behind.step(0.0)
-    model.opt.timestep = step
-    return rows
+        for log in logs:
+            # with what effects of the drive have made of it
+            driven = {n: changed_drive(s, fits[n].terms) for n, s in log.items()}
+            found.extend(Windows(model, driven, motors).errors().T)
+    travel = max(float(np.ptp(s.signals[:, Q])) for log in logs for s in log.values())
+    return Replay(tuple(found), travel)

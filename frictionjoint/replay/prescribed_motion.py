@@ -1,10 +1,11 @@
 """Steps of a model in which some joints are free while the others follow their measured motion."""
 
+from collections.abc import Mapping
+
 import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.segment import Segment
 
 
 class Prescribed:
@@ -20,14 +21,17 @@ class Prescribed:
 
     @classmethod
     def of(
-        cls, model: mujoco.MjModel, data: mujoco.MjData, segment: Segment
+        cls, model: mujoco.MjModel, data: mujoco.MjData, others: Mapping[str, Array]
     ) -> "Prescribed | None":
-        """The other joints of a log; None if it contains none."""
-        names = sorted({n.rpartition(".")[0] for n in segment.others})
+        """From ``"NAME.position"``, ``.velocity`` and ``.acceleration`` of joints, (n,) each.
+
+        None if the model contains none of them.
+        """
+        names = sorted({n.rpartition(".")[0] for n in others})
         found = {n: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) for n in names}
         known = {n: j for n, j in found.items() if j >= 0}
         kinds = ("position", "velocity", "acceleration")
-        motion = np.array([[segment.others[f"{n}.{k}"] for n in known] for k in kinds])
+        motion = np.array([[others[f"{n}.{k}"] for n in known] for k in kinds])
         if not known:
             return None
         in_time = np.ascontiguousarray(np.moveaxis(motion, 2, 0))
@@ -60,14 +64,14 @@ class Free:
         self._units = np.eye(model.nv)[self._dofs]
         self._rows = np.empty_like(self._units)
 
-    def step(self, torque: float) -> None:
-        """One semi-implicit step with a torque on the first free joint."""
+    def step(self, torque: Array) -> None:
+        """One semi-implicit step with torques on the first free joints."""
         self._qacc[self._dofs] = 0.0
         mujoco.mj_inverse(self._model, self._data)
         for row, unit in zip(self._rows, self._units, strict=True):
             mujoco.mj_mulM(self._model, self._data, row, unit)
         taken = -self._inverse[self._dofs]
-        taken[0] += torque
+        taken[: len(torque)] += torque
         mass = self._rows[:, self._dofs]
         gained = taken / mass[0] if len(taken) == 1 else np.linalg.solve(mass, taken)
         self._qvel[self._dofs] += self.dt * gained

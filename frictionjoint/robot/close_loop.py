@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import mujoco
@@ -17,9 +16,10 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rms import Rms
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.model_files import compile_model, read_spec
 from frictionjoint.model_text import model_text
-from frictionjoint.replay.free_runs import friction_spec
+from frictionjoint.replay.free_runs import friction_spec, replay_joints
 from frictionjoint.report.joint_report import Evidence
 from frictionjoint.report.robot_report import (
     RobotErrors,
@@ -36,8 +36,7 @@ from frictionjoint.robot.explain import Explained, Fitted, State, Task, explain_
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.information import information
 from frictionjoint.robot.joint import FittedJoint, first_fit
-from frictionjoint.robot.logs import RobotLogs
-from frictionjoint.robot.replay import replay_robot
+from frictionjoint.robot.logs import Place, RobotLogs, by_place
 from frictionjoint.robot.shared import Shared, shared_causes
 from frictionjoint.robot.undetermined import undetermined
 from frictionjoint.robot.workers import Each, processes, workers
@@ -205,11 +204,18 @@ def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, Arra
     """Replay of all joints together, on fitted and held-out logs; none without a torque."""
     if any(x.fit.in_drive_units or x.prepared.commanded for x in joints.values()):
         return Rms(None, None)
-    fits = {n: x.fit for n, x in joints.items()}
-    run = partial(replay_robot, poses=poses)
-    fit = run(_with_friction(state, fits), {n: (x.prepared, x.fit) for n, x in joints.items()})
-    kept = {n: (x.kept_back, x.fit) for n, x in joints.items() if x.kept_back}
-    return Rms(fit, run(_with_friction(state, fits), kept) if kept else None)
+
+    def rms(own: Mapping[str, Prepared | None]) -> float | None:
+        logs: dict[Place, dict[str, Segment]] = {}
+        for name, prepared in own.items():
+            for place, segment in by_place(prepared.segments if prepared else ()).items():
+                logs.setdefault(place, {})[name] = segment
+        fits = {n: joints[n].fit for n, prepared in own.items() if prepared}
+        spec = read_spec(state.mjcf)
+        return replay_joints(spec, list(logs.values()), fits, poses).stated if logs else None
+
+    kept_back = {n: x.kept_back for n, x in joints.items()}
+    return Rms(rms({n: x.prepared for n, x in joints.items()}), rms(kept_back))
 
 
 def _poses(joint: FittedJoint) -> dict[str, Array]:
