@@ -10,7 +10,7 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate import attach
-from frictionjoint.simulate.block import COUNT, HEAD, MAGIC
+from frictionjoint.simulate.block import COUNT
 from frictionjoint.simulate.check import check_model
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
@@ -94,27 +94,6 @@ def test_enable_serves_models_of_all_kinds_until_disable():
     fj.disable()
 
 
-def test_attached_models_outlast_disable_and_enable_outlasts_them():
-    one, other = spec().compile(), spec().compile()
-    fj.enable()
-    h = fj.attach(one)
-    fj.disable()
-    assert held(one)
-    fj.enable()
-    h.detach()
-    assert held(one)
-    assert held(other)
-
-
-@pytest.mark.parametrize("backend", ["native", "python"])
-def test_what_is_met_at_a_step_acts_as_what_was_attached(backend):
-    attached, met = spec().compile(), spec().compile()
-    with fj.attach(attached):
-        expected = reach(attached)
-    fj.enable(backend)
-    assert reach(met) == pytest.approx(expected, rel=1e-12)
-
-
 def test_threads_that_meet_a_model_together_agree():
     from mujoco import rollout
 
@@ -131,17 +110,6 @@ def test_threads_that_meet_a_model_together_agree():
     np.testing.assert_array_equal(states[:, -1, 1], states[0, -1, 1])
 
 
-def test_a_batch_of_a_model_nobody_attached_has_its_friction():
-    batch = pytest.importorskip("mujoco.batch", reason="MuJoCo before 3.17 has no Batch")
-    fj.enable()
-    model = mujoco.MjModel.from_xml_string(spec().to_xml())
-    many = batch.Batch(model, 16, 2)
-    many.bind("qfrc_applied")[:] = PUSH
-    many.step(nstep=300)
-    positions = many.bind("qpos")
-    assert np.all((positions > 0.0) & (positions < HELD))
-
-
 def test_a_model_whose_friction_cannot_act_is_named_once_and_steps_on():
     broken = spec().compile()
     broken.numeric_data[int(broken.numeric_adr[0]) + COUNT] += 1
@@ -151,25 +119,6 @@ def test_a_model_whose_friction_cannot_act_is_named_once_and_steps_on():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert reach(broken) == FREE
-
-
-def test_too_little_user_data_is_named_at_the_first_step():
-    small = spec()
-    small.nuserdata = 5
-    model = small.compile()
-    fj.enable()
-    with pytest.warns(RuntimeWarning, match=r"needs \d+ numbers of user data"):
-        assert reach(model) == FREE
-
-
-def test_a_foreign_numeric_with_our_number_in_front_is_left_alone():
-    numbers = " ".join(map(str, [int(MAGIC), 1, 0, *[7] * HEAD]))
-    more = f"<custom><numeric name='mine' data='{numbers}'/></custom>"
-    model = mujoco.MjModel.from_xml_string(JOINT.format(more=more))
-    fj.enable()
-    before = model.numeric_data.copy()
-    assert reach(model) == FREE
-    np.testing.assert_array_equal(model.numeric_data, before)
 
 
 def counted_in_python():
@@ -214,27 +163,6 @@ def test_the_users_own_callback_is_called_too_and_comes_back(make, backend):
     assert len(calls) == 900
 
 
-def test_forces_of_the_users_callback_and_of_friction_add():
-    model = spec().compile()
-    mine, _ = counted_in_python()
-
-    def displaced() -> float:
-        """Passive torque half way to breakaway."""
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
-        data.time += model.opt.timestep
-        data.qpos[0] = 5e-4
-        mujoco.mj_forward(model, data)
-        return float(data.qfrc_passive[0])
-
-    with fj.attach(model):
-        alone = displaced()
-    assert alone < -0.3
-    mujoco.set_mjcb_passive(mine)
-    with fj.attach(model):
-        assert displaced() == pytest.approx(alone - 0.1, rel=1e-12)
-
-
 def test_the_users_callback_comes_back_whatever_order_models_are_detached_in():
     mine, _ = counted_in_c()
     mujoco.set_mjcb_passive(mine)
@@ -243,18 +171,6 @@ def test_the_users_callback_comes_back_whatever_order_models_are_detached_in():
         assert mujoco.get_mjcb_passive() is not mine
         handles[i].detach()
     assert mujoco.get_mjcb_passive() is mine
-
-
-def test_a_callback_put_over_ours_stays_when_ours_is_detached():
-    model = spec().compile()
-    mine, calls = counted_in_c()
-    h = fj.attach(model)
-    mujoco.set_mjcb_passive(mine)
-    h.detach()
-    assert mujoco.get_mjcb_passive() is mine
-    with fj.attach(model):
-        assert held(model)
-    assert len(calls) == 300
 
 
 def test_models_compiled_while_friction_acts_have_it():
@@ -330,36 +246,6 @@ def test_torque_warns_once_of_a_callback_that_was_set_over_ours():
         fj.torque(model, data)
     with pytest.warns(RuntimeWarning, match="calls ours: the new callback stays"):
         h.detach()
-
-
-def test_a_callback_that_calls_ours_is_no_reason_to_warn():
-    model = spec().compile()
-    data = mujoco.MjData(model)
-    with fj.attach(model):
-        ours = C_CALLBACK(ctypes.cast(mujoco.get_mjcb_passive(), ctypes.c_void_p).value)
-        over = C_CALLBACK(lambda m, d: ours(m, d))
-        installed = mujoco.get_mjcb_passive()
-        mujoco.set_mjcb_passive(over)
-        mujoco.mj_step(model, data, 10)
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            fj.torque(model, data)
-        mujoco.set_mjcb_passive(installed)
-
-
-def test_the_next_attach_warns_once_of_a_callback_that_was_set_over_ours():
-    first, second = spec().compile(), spec().compile()
-    fj.attach(first)
-    mine, calls = counted_in_c()
-    mujoco.set_mjcb_passive(mine)
-    with pytest.warns(RuntimeWarning, match="friction acts again, and the other one is called"):
-        other = fj.attach(second)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert held(first)
-        assert held(second)
-        assert len(calls) == 600
-        other.detach()
 
 
 def test_flags_that_are_disabled_after_attach_are_told_once():

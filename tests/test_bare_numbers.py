@@ -4,12 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.io import savemat
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured.readers import each_log, read_log
+from frictionjoint.measured.readers import read_log
 from frictionjoint.measured.several_files import read_joined
 
 T = np.arange(300) / 200.0
@@ -35,31 +33,6 @@ def test_columns_of_a_file_without_header_have_numbers(
     np.testing.assert_allclose(log.torque, TAU, atol=1e-8)
     with pytest.raises(LogError, match="it has no header: its columns are numbered, 1 to 3"):
         read_log(path)
-
-
-@given(st.integers(2, 6), st.sampled_from([",", ";", " ", "\t"]), st.booleans(), st.data())
-@settings(max_examples=25, deadline=None)
-def test_any_table_of_numbers_is_read_back(
-    tmp_path_factory: pytest.TempPathFactory,
-    width: int,
-    separator: str,
-    rows: bool,
-    data: st.DataObject,
-) -> None:
-    numbers = np.random.default_rng(width).normal(size=(width, 300))
-    which = data.draw(st.integers(2, width))
-    numbers[0], numbers[which - 1] = T, Q
-    path = tmp_path_factory.mktemp("bare") / "a.csv"
-    np.savetxt(path, numbers if rows else numbers.T, delimiter=separator)
-    named = {"time_s": "1", "position_rad": str(which), "torque_nm": str(which)}
-    np.testing.assert_allclose(read_log(path, columns=named).position, Q, atol=1e-12)
-
-
-def test_a_decimal_comma_without_header_is_read(tmp_path: Path) -> None:
-    path = tmp_path / "a.csv"
-    rows = (";".join(f"{x:.9f}" for x in row) for row in zip(T, Q, TAU, strict=True))
-    path.write_text("\n".join(rows).replace(".", ","))
-    np.testing.assert_allclose(read_log(path, columns=BY_NUMBER).position, Q, atol=1e-8)
 
 
 def test_a_cell_that_is_no_number_is_named(tmp_path: Path) -> None:
@@ -90,13 +63,6 @@ def test_a_bench_that_records_speed_only_has_its_position_integrated(
     np.testing.assert_allclose(log.position, Q, atol=1e-4)
     assert log.slide == slide
     assert any("integrated from the velocity" in note for note in log.notes)
-
-
-def test_a_position_that_is_not_named_is_not_replaced(tmp_path: Path) -> None:
-    path = tmp_path / "a.csv"
-    path.write_text("time_s,angle,velocity_rad_s,torque_nm\n0,0,1,1\n1,1,1,1\n")
-    with pytest.raises(LogError, match="--column position_rad=angle"):
-        read_log(path)
 
 
 def test_a_message_names_all_that_is_missing(tmp_path: Path) -> None:
@@ -139,27 +105,6 @@ def test_a_number_is_a_factor_to_si(tmp_path: Path, unit: str) -> None:
     np.testing.assert_allclose(torque, float(unit) * TAU, atol=1e-12)
     with pytest.raises(LogError, match="factor to SI"):
         read_log(path, units={"torque": "0"})
-
-
-def test_channel_numbers_above_the_names_are_passed_over(tmp_path: Path) -> None:
-    path = tmp_path / "a.csv"
-    rows = "\n".join(f"{a},{b},{c}" for a, b, c in zip(T, Q, TAU, strict=True))
-    path.write_text(f"Axis1\nRate,200\nTime,Analog 1,Analog 2\nsec,Angle,Motor torque\n{rows}\n")
-    columns = {"time_s": "sec", "position_rad": "Angle", "torque_nm": "Motor torque"}
-    np.testing.assert_allclose(read_log(path, columns=columns).position, Q)
-
-
-def test_a_folder_in_python_is_its_logs_without_those_held_out(tmp_path: Path) -> None:
-    for name in ("a", "b", "c"):
-        rows = np.column_stack([T, Q, TAU])
-        header = "time_s,position_rad,torque_nm"
-        np.savetxt(tmp_path / f"{name}.csv", rows, header=header, delimiter=",", comments="")
-    held = [tmp_path / "b.csv"]
-    found = each_log([tmp_path], held)
-    assert found == [tmp_path / "a.csv", tmp_path / "c.csv"]
-    assert each_log(held) == held
-    log = read_log(held[0])
-    assert each_log([log, held[0]], held) == [log, held[0]]
 
 
 def test_runs_of_one_clock_each_are_runs_of_one_log(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ import pytest
 
 from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.last_freedoms import with_last_freedoms
-from frictionjoint.identify.law_start import LawStart, falls
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -100,18 +99,6 @@ def test_a_stribeck_velocity_may_differ_by_direction():
     assert law.Vs_pos == pytest.approx(0.12, rel=0.15)
     assert law.Vs_neg == pytest.approx(0.03, rel=0.15)
     assert found.rms_in_motion < 1.3 * 2e-3
-
-
-@pytest.mark.parametrize("delta", [0.8, 1.0, 2.0])
-def test_a_start_has_the_stribeck_curve_of_the_elements_levels(delta):
-    """A level that falls with speed in any of these ways is found again from its sampled falls."""
-    speed = np.geomspace(1e-3, 0.5, 200)
-    wanted = 0.5 + 0.4 * np.exp(-((speed / 0.05) ** delta))
-    shares = np.linalg.lstsq(falls(speed), wanted, rcond=None)[0]
-    start = LawStart.of(np.array([1e-3]), shares[:, None], 2.0)
-    assert start.excess == pytest.approx(0.8, rel=0.3)
-    assert start.Vs == pytest.approx(0.1, rel=0.4)
-    assert start.length == pytest.approx(1e-3, rel=0.01)
 
 
 def test_elements_that_stick_and_slip_slide_sharply():

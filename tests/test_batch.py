@@ -7,7 +7,6 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.block import blocks
-from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.set_parameters import write_parameters
 
 Batch = pytest.importorskip("mujoco.batch", reason="MuJoCo before 3.17 has no Batch").Batch
@@ -62,15 +61,6 @@ def test_a_thousand_joints_equal_loops_of_their_own(threads):
                 mujoco.mj_step(alone, data)
         np.testing.assert_array_equal(position[i], data.qpos)
     assert np.ptp(position) > 10 * KNOTS[-1][0], "none broke away: the test would prove little"
-
-
-def test_a_written_law_survives_the_next_attach():
-    m = model()
-    with fj.attach(m):
-        pass
-    write_parameters(m.numeric_data, blocks(m)["a"], friction(1.7), "a")
-    with fj.attach(m):
-        assert read_friction(m)["a"].parameters == friction(1.7)
 
 
 def test_another_number_of_knots_needs_compiling():

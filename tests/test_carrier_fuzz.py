@@ -46,7 +46,6 @@ NUMBERS = [
     for block in re.finditer(r'data="([^"]*)"', TEXT)
     for m in re.compile(r"[^ \"]+").finditer(TEXT, block.start(1), block.end(1))
 ]
-ATTRIBUTES = [m.span(1) for m in re.finditer(r'="([^"]*)"', TEXT)]
 
 
 @pytest.fixture(scope="module")
@@ -102,25 +101,6 @@ def test_a_block_cut_short(file: Path, count: int, from_end: bool) -> None:
     text = TEXT
     for start, end in reversed(spans):
         text = text[:start] + text[end:]
-    never_anything_else(file, text.encode())
-
-
-@settings(max_examples=EXAMPLES, deadline=None)
-@given(
-    at=st.sampled_from(ATTRIBUTES),
-    text=st.sampled_from(["", "elbow", "ball", "slide", "frictionjoint:", "frictionjoint:tip"])
-    | st.integers(-3, 400).map(str),
-)
-def test_one_attribute_changed(file: Path, at: tuple[int, int], text: str) -> None:
-    never_anything_else(file, replaced(at, text))
-
-
-@settings(max_examples=EXAMPLES, deadline=None)
-@given(values=st.lists(st.floats(width=32), max_size=40), magic=st.booleans())
-def test_a_block_of_anything(file: Path, values: list[float], magic: bool) -> None:
-    numbers = [*([199797.0, 1.0] if magic else []), *values] or [0.0]
-    block = f'<numeric name="frictionjoint:elbow" data="{" ".join(map(repr, numbers))}"/>'
-    text = BARE.replace("</mujoco>", f"<custom>{block}</custom></mujoco>")
     never_anything_else(file, text.encode())
 
 

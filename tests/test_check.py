@@ -9,7 +9,6 @@ from command_line import run
 import frictionjoint as fj
 from frictionjoint.effects import spring
 from frictionjoint.joint_friction import SimulatedEffect
-from frictionjoint.rivals import StaticParameters
 from frictionjoint.simulate.check import check_model
 
 STEP, INERTIA = 1e-3, 0.01
@@ -89,28 +88,6 @@ def test_rk4_is_explicit_and_has_narrow_limits(ratio, damping_ratio):
 def test_what_acts_twice_or_not_at_all_is_outside(given, words):
     (sentence,) = row(**given)["outside"]
     assert words in sentence
-
-
-def test_the_static_law_names_the_elastic_element_that_holds_it():
-    spec = mujoco.MjSpec.from_string(
-        ONE.format(step=STEP, integrator="implicitfast", flags="", attributes="", J=INERTIA)
-    )
-    law = StaticParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, V0=1e-2)
-    fj.install(spec, {"j": law})
-    (found,) = check_model(spec.compile())
-    assert found["stiffness"] > 0.0
-    assert found["acts"] == [
-        f"static: a joint at rest is held by an elastic element of {found['stiffness']:.4g} N m/rad"
-    ]
-
-
-def test_friction_of_a_tendon_over_the_joint_is_named():
-    spec = joint()
-    spec.add_tendon(name="cable", frictionloss=0.2).wrap_joint("j", 1.0)
-    spec.add_tendon(name="free").wrap_joint("j", 1.0)
-    (found,) = check_model(spec.compile())
-    assert found["acts"] == ["tendon cable over the joint has MuJoCo's own frictionloss 0.2 too"]
-    assert found["outside"] == []
 
 
 def test_strict_fails_where_a_joint_is_outside_its_limits(tmp_path):

@@ -1,6 +1,5 @@
 """The command line: what its commands print, their help, exit code 2 for bad input."""
 
-import inspect
 import json
 import re
 import subprocess
@@ -12,8 +11,6 @@ from pathlib import Path
 import pytest
 from command_line import run
 
-import frictionjoint as fj
-from frictionjoint.cli.close_loop import close_loop_command
 from frictionjoint.files import read_parameters, toml_text
 from frictionjoint.parameters import FrictionParameters
 
@@ -28,21 +25,6 @@ def started(*arguments, cwd):
     return subprocess.run(
         [str(a) for a in command], cwd=cwd, capture_output=True, text=True, timeout=300
     )
-
-
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (["install", MODEL, "--joint", "joint=none.toml"], "none.toml"),
-        (["install", MODEL, "--joint", "joint"], "NAME=params.toml"),
-    ],
-)
-def test_bad_arguments_are_refused_in_one_line(arguments, word, tmp_path):
-    done = run(*arguments, "--out", "out", cwd=tmp_path)
-    assert done.returncode == 2, done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
-    assert word in done.stderr
-    assert not (tmp_path / "out").exists()
 
 
 def test_the_process_ends_with_the_code_and_the_line(tmp_path):
@@ -67,24 +49,6 @@ def test_identify_install_and_check_work_in_a_row(tmp_path):
     done = run("check", "arm.xml", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "integrated" in done.stdout
-
-
-def test_a_model_of_several_joints_asks_which(tmp_path):
-    arm = "<mujoco><worldbody><body><joint name='a'/><geom size='.1'/><body><joint name='b'/>"
-    (tmp_path / "arm.xml").write_text(f"{arm}<geom size='.1'/></body></body></worldbody></mujoco>")
-    asked = ("identify", LOG, "--model", "arm.xml", "--out", "joint.toml")
-    done = run(*asked, cwd=tmp_path)
-    assert done.returncode == 2
-    assert "It has a, b: name one with --joint" in done.stderr
-    assert not (tmp_path / "joint.toml").exists()
-
-
-def test_parameter_file_round_trip_is_exact(tmp_path):
-    parameters = FrictionParameters.symmetric(
-        Fs=1.5, Fc=1 / 3, Vs=0.0123456789, knots=((1e-4, 1.5), (1e-3, 3.2))
-    )
-    (tmp_path / "p.toml").write_text(toml_text(parameters))
-    assert read_parameters(tmp_path / "p.toml").parameters == parameters
 
 
 COMMANDS = (
@@ -172,11 +136,3 @@ def test_json_goes_to_scripts_alone(tmp_path):
     (row,) = json.loads(run("check", "with.xml", "--json", cwd=tmp_path).stdout)
     assert row["joint"] == "joint"
     assert row["stiffness"] == pytest.approx(3200.0)
-
-
-def test_close_loop_refines_by_default_as_its_python_function_does():
-    defaults = [
-        inspect.signature(function).parameters["refine"].default
-        for function in (close_loop_command, fj.close_loop)
-    ]
-    assert defaults == [None, None]

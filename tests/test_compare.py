@@ -1,7 +1,5 @@
 """``frictionjoint compare``: a law's known figures come out, as table, JSON and picture."""
 
-import json
-
 import numpy as np
 import pytest
 from command_line import run
@@ -39,13 +37,6 @@ def test_figures_are_those_of_the_law():
     assert a.figures["work of one presliding loop, J"] > 0.0
 
 
-def test_presliding_motion_is_the_same_for_all_and_slides_in_none():
-    a, b = compared({"a": JointFriction(A), "b": JointFriction(B)})
-    assert np.array_equal(a.curves[1][0], b.curves[1][0])
-    for x, Fs in ((a, 1.5), (b, 1.2)):
-        assert np.abs(x.curves[1][1]).max() < 0.99 * Fs
-
-
 def test_effects_are_named():
     effect = SimulatedEffect(
         CATALOGUE[0], (1.0,) * len(CATALOGUE[0].shape), (0.1,) * len(CATALOGUE[0].coefficients)
@@ -81,26 +72,3 @@ def test_table_and_page(folder):
     assert "Breakaway: a slow pull from rest" in page
     assert "breakaway displacement, rad" in page
     assert 'src="http' not in page
-
-
-def test_json(folder):
-    done = run("compare", "a.toml", "b.toml", "--json", cwd=folder)
-    found = json.loads(done.stdout)
-    assert set(found) == {"a", "b"}
-    assert found["b"]["law"] == "integrated"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "word"),
-    [
-        (["a.toml", "a.toml"], "twice"),
-        (["none.toml"], "none.toml"),
-        (["a.toml", "--out", "c.doc"], ".html"),
-        ([], "argument"),
-    ],
-)
-def test_bad_arguments_make_one_line(arguments, word, folder):
-    done = run("compare", *arguments, cwd=folder)
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
-    assert word in done.stderr

@@ -3,17 +3,13 @@
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from frictionjoint import close_loop
 from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.rival_shape import start_of
 from frictionjoint.measured.log import JointLog
-from frictionjoint.rivals import StaticParameters
 
 LOSS, DAMPING = 0.8, 0.3
 BELIEVED = """
@@ -66,62 +62,3 @@ def test_friction_with_another_lead_than_a_simulation_is_not_taken_for_one():
     log = JointLog(name="led", joint="j", time=t, position=q, torque=load + friction + noise)
     _, found = base_fit(prepare([log], RigidBody(BELIEVED, "j")), "integrated")
     assert not isinstance(found.shape, ConstraintShape)
-
-
-def of_numbers(*numbers, lead=LEAD):
-    return ConstraintShape(start_of(StaticParameters)).moved(np.array([*numbers, np.log(lead)]))
-
-
-@given(
-    numbers=st.tuples(
-        st.floats(0.05, 1.0),
-        st.floats(-3.0, 0.0),
-        st.floats(0.6, 2.5),
-        st.floats(-4.0, -1.0),
-        st.floats(-6.0, -3.5),
-    ),
-    number=st.integers(0, 4),
-)
-def test_tangents_are_the_derivatives(numbers, number):
-    time = np.arange(400) * 5e-3
-    q = 0.4 * np.sin(3.0 * time) + 0.1 * np.cos(7.0 * time)
-    shape = of_numbers(*numbers[:-1], lead=np.exp(numbers[-1]))
-    H, _, tangents, _ = shape.tangents(time, q)
-    assert shape.hysteresis(time, q)[0] == pytest.approx(H)
-    h = 1e-6
-    ends = []
-    for sign in (1.0, -1.0):
-        x = np.array(numbers)
-        x[number] += sign * h
-        ends.append(shape.moved(x).hysteresis(time, q)[0])
-    # but where the saturation begins within the step
-    smooth = np.abs(ends[0] + ends[1] - 2.0 * H) < 1e-8
-    assert smooth.mean() > 0.9
-    slope = (ends[0] - ends[1]) / (2.0 * h)
-    assert tangents[number][smooth] == pytest.approx(slope[smooth], abs=1e-4)
-
-
-def test_friction_turns_a_lead_before_the_velocity():
-    time = 0.1 + 1e-4 * np.arange(2000)
-    q = np.cos(2.0 * np.pi * 2.5 * (time - 0.2))
-    shape = of_numbers(0.0, 0.0, 1.0, -9.0)
-    turn = np.flatnonzero(np.diff(np.sign(shape.hysteresis(time, q)[0])))
-    velocity = np.flatnonzero(np.diff(np.sign(np.gradient(q, time))))
-    assert time[velocity] - time[turn] == pytest.approx(LEAD, rel=0.02)
-
-
-def test_the_lead_is_that_of_each_motion():
-    """Of motions one behind the other, at uneven times; a motion of one sample is at rest."""
-    rng = np.random.default_rng(0)
-    time = np.cumsum(rng.uniform(1e-3, 9e-3, 303))
-    q, edges = np.sin(7.0 * time) + 0.1 * np.sin(40.0 * time), np.array([0, 200, 201, 303])
-    shape = of_numbers(0.3, -1.0, 1.5, 1.0)
-    found = shape.hysteresis(time, q, edges)[0]
-    for first, end in ((0, 200), (201, 303)):
-        some = slice(first, end)
-        assert found[some] == pytest.approx(shape.hysteresis(time[some], q[some])[0])
-        v = np.gradient(q[some], time[some])
-        ahead = v + LEAD * np.gradient(v, time[some])
-        level = 1.0 + 0.3 * np.exp(-((np.abs(v) / np.exp(-1.0)) ** 1.5))
-        assert found[some] == pytest.approx(level * np.clip(ahead / np.exp(1.0 - 1.0), -1.0, 1.0))
-    assert found[200] == 0.0

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from frictionjoint.effects import signals
-from frictionjoint.effects.catalogue import CATALOGUE
 
 GUIDE = Path(__file__).resolve().parents[1] / "CONTRIBUTING.md"
 
@@ -32,12 +31,3 @@ def test_its_torque_pulls_as_its_form_says(magnet):
         row[signals.Q] = q
         expected = strength * q / width * np.exp(-((q / width) ** 2))
         assert torque(P, 0, row, X, 0) == pytest.approx(expected, rel=1e-12)
-
-
-def test_its_description_is_complete_and_takes_no_one_elses_place(magnet):
-    effect = magnet.EFFECT
-    assert effect.size == 2
-    assert len(effect.units) == len(effect.coefficients) == len(effect.bounds)
-    assert all(len(shape) == len(effect.shape) for shape in effect.shapes(np.zeros((5, 14))))
-    assert effect.effect_id not in {e.effect_id for e in CATALOGUE}
-    assert effect.name not in {e.name for e in CATALOGUE}

@@ -1,6 +1,5 @@
 """Controllers: their files, their control law, the drive of a log."""
 
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,13 +8,10 @@ import numpy as np
 import pytest
 
 from frictionjoint.control import PRESETS, Controller, read_controller
-from frictionjoint.control import kernel as k
 from frictionjoint.control.controller import unknown_notes
 from frictionjoint.control.controller_file import controller_of
-from frictionjoint.control.kernel_numbers import block_of
-from frictionjoint.control.profile import followed_over, held, held_over
+from frictionjoint.control.profile import held
 from frictionjoint.control.reconstruct import (
-    AllCommands,
     check_drive,
     commands,
     difference,
@@ -112,11 +108,6 @@ def test_bad_controllers_of_joints_are_one_line(tmp_path, given, message):
     assert "\n" not in str(found.value)
 
 
-def test_a_missing_file_names_the_presets(tmp_path):
-    with pytest.raises(ParameterError, match="xl330, sts3215"):
-        read_controller(tmp_path / "none.toml")
-
-
 def test_the_drive_is_the_control_law():
     given = log(metadata={"kp": 4.0}, velocity=np.cos(T))
     c = Controller(output="torque_nm", kp="log:kp", kd=0.5, gain_unit=2.0, limit=0.6)
@@ -131,12 +122,6 @@ def test_a_duty_is_a_voltage_of_the_log_s_own_supply():
     given = log()
     duty = np.clip(0.7 * (given.target - given.position), -0.1, 0.1)
     np.testing.assert_allclose(drive, duty * supply, rtol=1e-12)
-
-
-def test_an_unknown_gain_leaves_the_error_as_a_current():
-    given = with_drive(log(), Controller(output="torque_nm", kp="unknown", limit=2.0))
-    assert given.torque is None
-    np.testing.assert_allclose(given.current, given.target - given.position, atol=1e-14)
 
 
 def test_a_damping_that_is_not_known_is_taken_as_none_and_that_is_said():
@@ -170,16 +155,6 @@ def test_deadbands_protections_and_counts():
     np.testing.assert_allclose(counted, 2 * given.target, atol=1e-14)
 
 
-def test_a_band_that_cuts_is_silent_whatever_the_velocity():
-    given = log(target=np.linspace(-1, 1, len(T)), position=np.zeros(len(T)))
-    given = replace(given, velocity=np.full(len(T), 5.0))
-    braked = Controller(output="torque_nm", kp=2.0, kd=1.0)
-    plain, cut = (drive_of(given, replace(braked, deadband=d)) for d in (0.0, 0.3))
-    within = np.abs(given.target) <= 0.3
-    assert np.all(plain[within] < -4.0)
-    np.testing.assert_array_equal(cut, np.where(within, 0.0, plain))
-
-
 def test_a_tick_holds_and_a_target_arrives_late():
     given = log()
     plain = {"output": "torque_nm", "kp": 1.0}
@@ -188,18 +163,6 @@ def test_a_tick_holds_and_a_target_arrives_late():
     late = drive_of(given, Controller(**plain, delay_s=0.03))
     np.testing.assert_allclose(late[3:], given.target[:-3] - given.position[3:], atol=1e-14)
     np.testing.assert_allclose(held(T, T, np.array([0.004, 0.01, 5.0])), [0.0, 0.01, T[-1]])
-
-
-@pytest.mark.parametrize("delay", [0.0, 0.012, 0.02, 0.047])
-def test_a_mean_command_knows_delays_finer_than_a_sample(delay):
-    given = log(position=np.zeros(len(T)))
-    c = Controller(output="torque_nm", kp=1.0, delay_s=delay)
-    # stairs, averaged over the width of one, are straight lines between their middles
-    expected = np.interp(T - delay, T + 0.005, given.target)
-    inner = slice(8, -2)
-    np.testing.assert_allclose(commands(given, c).mean_drive()[inner], expected[inner], atol=1e-12)
-    at_once = commands(given, Controller(output="torque_nm", kp=1.0)).mean_drive(delay=delay)
-    np.testing.assert_array_equal(at_once, commands(given, c).mean_drive())
 
 
 @pytest.mark.parametrize(("delay", "rate"), [(0.0, 1.3), (0.012, 1.3), (0.0, 0.2), (0.02, 40.0)])
@@ -221,63 +184,6 @@ def test_a_mean_command_is_followed_at_a_limited_speed_between_samples(delay, ra
     c = Controller(output="torque_nm", kp=1.0, delay_s=delay, target_rate=rate)
     drive = commands(given, c).mean_drive()
     np.testing.assert_allclose(drive, np.diff(edges) / 0.01, atol=2e-4)
-
-
-def test_a_target_of_any_speed_is_the_command_itself():
-    begin = T - 0.004
-    found = [followed_over(T, np.sin(7.0 * T), begin, 0.01, rate) for rate in (1e9, math.inf)]
-    np.testing.assert_allclose(found[0], found[1], atol=1e-6)
-    np.testing.assert_array_equal(found[1], held_over(T, np.sin(7.0 * T), begin, 0.01))
-
-
-def test_a_limited_target_rate_makes_a_ramp_of_a_step():
-    given = log(target=np.where(T > 0.5, 1.0, 0.0), position=1e-3 * np.sin(T))
-    drive = drive_of(given, Controller(output="torque_nm", kp=1.0, target_rate=2.0))
-    begin = T[np.argmax(T > 0.5)]
-    ramp = np.clip(2.0 * (T - begin), 0.0, 1.0)
-    np.testing.assert_allclose(drive + given.position, ramp, atol=1e-9)
-
-
-def test_a_drive_and_its_mean_follow_one_limited_target():
-    """A drive at samples and its mean around them follow one and the same target."""
-    target = np.where(np.floor(T / 0.3) % 2 == 1, 0.8, -0.1)
-    given = log(target=target, position=np.zeros(len(T)))
-    c = Controller(output="torque_nm", kp=1.0, target_rate=3.0, delay_s=0.017)
-    seen = commands(given, c)
-    there = followed_over(T, target, T - 0.017 - 5e-7, 1e-6, 3.0)
-    np.testing.assert_allclose(seen.drive(), there, atol=5e-6)
-    assert np.max(np.abs(seen.drive() - seen.mean_drive())) < 0.5 * 3.0 * 0.01
-
-
-def test_the_drives_of_several_logs_are_those_of_each():
-    """Each with its own gain, limit and delay, and what its controller remembers."""
-    c = Controller(output="torque_nm", kp="log:kp", ki=2.0, limit=1.0, target_rate=3.0)
-    some = [
-        commands(log(target=np.sin((2 + j) * T), metadata={"kp": 0.5 + j}), c) for j in range(3)
-    ]
-    delays = np.array([0.0, 0.013, 0.2])
-    blocks = np.array([one.block for one in some])
-    blocks[2, k.SLEW] = math.inf
-    together = AllCommands(some).mean_drive(blocks, delays)
-    alone = [x.mean_drive(b, d) for x, b, d in zip(some, blocks, delays.tolist(), strict=True)]
-    np.testing.assert_array_equal(together, np.concatenate(alone))
-
-
-def test_an_integral_does_not_wind_up():
-    given = log(target=np.full(len(T), 5.0), position=0.01 * T)
-    c = Controller(output="torque_nm", kp=0.1, ki=1.0, limit=1.0)
-    S = np.zeros(k.STATE)
-    B = block_of(c, given)
-    for t in T:
-        k.one_tick(B, S, t, 5.0, 0.0, 0.0)
-    assert S[k.INTEGRAL] <= 1.0
-    assert k.one_tick(B, S, 2.0, 0.0, 0.0, 0.0) <= 1.0
-
-
-@pytest.mark.parametrize("value", ["log:kp", "log:nothing"])
-def test_a_log_without_the_figure_says_what_it_has(value):
-    with pytest.raises(LogError, match="has no figure"):
-        commands(log(metadata={"mass": 1.0}), Controller(output="torque_nm", kp=value))
 
 
 def test_a_log_without_drive_or_controller_says_what_is_missing():
@@ -306,33 +212,8 @@ def test_the_xl330_drive_agrees_with_its_register(measured_data):
     assert max(apart) < 0.008
 
 
-def test_unlimited_is_written_as_nothing():
-    assert "limit" not in Controller(output="torque_nm", kp=1.0, limit=math.inf).to_toml()
-
-
 def test_the_controller_of_emps_agrees_with_its_log(measured_data):
     """To 0.4% in the median; with the velocity that its loop forms from tick to tick."""
     given = read_log(measured_data / "emps" / "DATA_EMPS.mat")
     known = read_controller(MODELS / "emps.controller.toml")
     assert difference(given, known) < 0.004
-
-
-@pytest.mark.parametrize(
-    ("known", "edge", "below", "above"),
-    [
-        ({}, 1.0, 8.0, 8.0),
-        ({"ki": 3.0}, 1.0, 8.0, 8.0),
-        ({"count_rad": 1e-3}, 1.0, 8.0, 8.0),
-        ({"limit": 0.8}, 0.1, 8.0, 0.0),
-        ({"deadband": 0.1}, 0.1, 0.0, 8.0),
-        ({"drop_above": 0.1, "drop_left": 0.25}, 0.1, 8.0, 2.0),
-    ],
-)
-def test_how_a_drive_answers_a_small_error_of_the_position(known, edge, below, above):
-    c = Controller(output="torque_nm", kp=8.0, **known)
-    seen = commands(log(target=np.sin(3 * T), position=0.8 * np.sin(3 * T)), c)
-    found = AllCommands([seen]).answer(seen.block[None], np.zeros(1))
-    e = np.abs(seen.target - seen.position)
-    # around a sample both are on either side of an edge: the target moves by 0.03
-    far = np.abs(e - edge) > 0.045
-    np.testing.assert_allclose(found[far], np.where(e < edge, below, above)[far], 1e-6, 1e-9)

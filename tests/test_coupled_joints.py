@@ -1,7 +1,5 @@
 """Joints that a tendon or an equality constraint of the user's model couples."""
 
-from dataclasses import replace
-
 import mujoco
 import numpy as np
 import pytest
@@ -9,7 +7,6 @@ import pytest
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.robot.corrections import Corrections, Shaft
 from frictionjoint.robot.joint import first_fit
 from tests.arms.arm import random_arm
 from tests.arms.fitted import joint_logs
@@ -32,20 +29,6 @@ def test_friction_of_a_tendon_in_the_model_is_not_taken_for_a_joints():
         assert law_parameters(found.fit).Fc_pos == pytest.approx(level, rel=0.1)
         # the constraint of MuJoCo turns over a little before the velocity does
         assert found.rms < 0.1 * np.std(logs[0].torque)
-
-
-def test_a_shaft_is_put_into_a_joints_load_and_taken_out_again():
-    arm = random_arm(771, 2)
-    joint = first_fit(joint_logs(arm, (1,), 4.0)["j1"], arm.believed, "j1", None)
-    none = Corrections.none(joint.alongs[0].model)
-    shaft = Shaft(("j1", "j2"), 1.0, 2.0, level=0.1, viscous=0.05)
-    found = joint.corrected(replace(none, shafts=(shaft,)))
-    expected = found.alongs[0].kept_shaft(shaft) @ shaft.numbers
-    assert found.shift == pytest.approx(expected, abs=1e-6)
-    more = found.corrected(replace(none, shafts=(replace(shaft, level=0.3),)))
-    again = joint.corrected(more.alongs[0].state)
-    assert more.shift == pytest.approx(again.shift, abs=1e-6)
-    assert more.corrected(none).shift == pytest.approx(np.zeros(len(expected)), abs=1e-6)
 
 
 def test_a_joint_held_by_an_equality_constraint_is_refused():

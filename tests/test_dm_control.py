@@ -150,51 +150,8 @@ def test_a_copy_of_the_physics_goes_on_bit_for_bit(share_model):
             np.testing.assert_array_equal(physics.data.qpos, twin.data.qpos)
 
 
-def test_a_state_with_user_data_goes_on_bit_for_bit():
-    physics = dm_mujoco.Physics.from_xml_string(spec().to_xml())
-    kind = int(mujoco.mjtState.mjSTATE_INTEGRATION)
-    ends = []
-    with fj.attach(physics.model.ptr):
-        for k in range(60):
-            physics.set_control(action(k))
-            physics.step(SUB_STEPS)
-        state = physics.get_state(kind)
-        for _ in range(2):
-            physics.set_state(state, kind)
-            physics.forward()
-            for k in range(60, 120):
-                physics.set_control(action(k))
-                physics.step(SUB_STEPS)
-            ends.append(physics.data.qpos.copy())
-    np.testing.assert_array_equal(ends[0], ends[1])
-
-
 def robot() -> mjcf.RootElement:
     return mjcf.from_xml_string(ARM.format(integrator="implicitfast"))
-
-
-def test_mjcf_carries_what_a_spec_carries():
-    root = robot()
-    dm.install(root, {"shoulder": FRICTION, "elbow": FRICTION})
-    physics = mjcf.Physics.from_mjcf_model(root)
-    physics.legacy_step = False
-    positions = []
-    with fj.attach(physics.model.ptr):
-        for k in range(EPISODE):
-            physics.set_control(action(k))
-            physics.step(SUB_STEPS)
-            positions.append(physics.data.qpos.copy())
-    assert_same([np.array(positions)], plain(spec().compile()))
-
-
-def test_install_replaces_and_keeps_foreign_user_data():
-    root = robot()
-    root.size.nuserdata = 3
-    dm.install(root, {"elbow": FRICTION})
-    once = root.size.nuserdata
-    dm.install(root, {"elbow": FRICTION, "shoulder": FRICTION})
-    assert root.size.nuserdata - 3 == 2 * (once - 3)
-    assert len(root.custom.numeric) == 2
 
 
 @pytest.mark.parametrize(
@@ -207,13 +164,6 @@ def test_unfit_joints_are_refused_and_nothing_is_written(joints, words):
     with pytest.raises(ModelError, match=words):
         dm.install(root, {"elbow": FRICTION} | dict.fromkeys(joints, FRICTION))
     assert root.to_xml_string() == before
-
-
-def test_an_attached_model_is_refused():
-    arena, child = mjcf.RootElement(model="arena"), robot()
-    arena.attach(child)
-    with pytest.raises(ModelError, match="attached to 'arena': install on the outermost"):
-        dm.install(child, {"elbow": FRICTION})
 
 
 class Robot(composer.Entity):

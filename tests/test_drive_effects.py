@@ -5,23 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from law_shapes import law_at
-from servo_plant import KNOWN, PLANT, logs, servo, sines, steps, swept
+from servo_plant import KNOWN, PLANT, logs, sines
 
 from frictionjoint.control import Controller
 from frictionjoint.control.kernel_numbers import block_of
 from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
-from frictionjoint.effects import drive_limit, duty_drop
+from frictionjoint.effects import drive_limit
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, scale_note, units_of
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.rival_shape import prompt_maxwell_slip
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.starts import fit, ripened
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.closed_loop import closed_loop, courses_of, found_controller
@@ -67,46 +66,6 @@ def test_what_the_firmware_does_is_named_and_measured(hidden, name, number, valu
     assert after < 0.6 * before
 
 
-@pytest.mark.parametrize("gains", [(0.6, 5.0), (1.7, 3.0)])
-def test_a_target_of_limited_speed_is_told_from_a_protection(gains):
-    """A target too slow never arrives, and from one much too fast no slope leads to it."""
-    made = [
-        servo(
-            f"{m.__name__} {kp}",
-            kp,
-            m,
-            {"rate": 2.08},
-            friction='frictionloss="0.1" damping="0.08"',
-        )
-        for kp in gains
-        for m in (steps, sines, swept)
-    ]
-    found = looked_at(made)[-1]
-    assert found is not None
-    term, _ = found.tried[0]
-    assert term.name == "command-rate"
-    assert term.shape[0] == pytest.approx(2.08, rel=0.01)
-
-
-def test_the_form_of_a_dead_band_is_not_hidden_by_a_smooth_one_of_another_number():
-    """Of a torque that leaps at its edge the band is seen from near its number alone."""
-    friction = 'frictionloss="0.082" damping="0.0847"'
-    made = [
-        servo(f"{m.__name__} {kp}", kp, m, {"deadband": 0.0934}, friction=friction)
-        for kp in (0.6, 3.0)
-        for m in (steps, sines, swept)
-    ]
-    prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
-    place = ripened(prepared, (EMF_TERM,), prompt_maxwell_slip())[0]
-    base = refit(prepared, (EMF_TERM,), place.search.split(place.x)[0], ROUGH)
-    found = look_at_drive(prepared, base, np.random.default_rng(0))
-    assert found is not None
-    term, _ = found.tried[0]
-    assert term.name == "deadband"
-    assert term.effect.leaps
-    assert term.shape[0] == pytest.approx(0.0934, rel=0.01)
-
-
 def test_a_dead_band_shows_beside_a_law_that_has_not_bent_for_want_of_it():
     made = logs({"deadband": 0.05}, friction='frictionloss="0.12" damping="0.05"')
     prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
@@ -127,31 +86,6 @@ def test_a_drive_as_its_file_says_asks_for_nothing():
     assert found is not None
     _, score = found.tried[0]
     assert score.of_drive(found.now) < DRIVE_DISCREPANCY
-
-
-def test_a_number_that_ended_at_zero_is_fitted_on():
-    made = logs({"deadband": 0.07})[:2]
-    prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
-    band = DriveTerm(next(e for e in DRIVE_EFFECTS if e.name == "deadband"), (0.0,))
-    found = refit(prepared, (EMF_TERM, band), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH, 1)
-    assert np.isfinite(found.terms[1].shape[0])
-
-
-def test_a_drive_of_nothing_is_left_again():
-    """A protection that leaves nothing of the output, from which a search must still go on."""
-    prepared = prepare(logs({})[:2], RigidBody(PLANT.format(""), "j"), controller=KNOWN)
-    silent = DriveTerm(duty_drop.EFFECT, (0.0, 0.0))
-    found = refit(prepared, (EMF_TERM, silent), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH, 3)
-    assert np.isfinite(found.drive_rms)
-
-
-def test_a_measured_drive_is_not_looked_at():
-    made = logs({})[:1]
-    body = RigidBody(PLANT.format(""), "j")
-    made = [JointLog(**{**vars(x), "torque": np.sin(3 * x.time)}) for x in made]
-    prepared = prepare(made, body, controller=KNOWN)
-    base = refit(prepared, (), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH, 1)
-    assert look_at_drive(prepared, base, np.random.default_rng(0)) is None
 
 
 @pytest.mark.parametrize("effect", DRIVE_EFFECTS, ids=lambda e: f"{e.name} {e.form}")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.library import library
-from frictionjoint.effects.signals import GX, GY, N_SIGNALS, A, Q, V
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.prepare import prepare
@@ -31,18 +30,6 @@ def torque(q, v, a):
     """Of inertia, viscous friction and gravity."""
     gravity = 9.81 * (ARMS[0] * np.sin(q) + ARMS[1] * np.cos(q))
     return INERTIA * a + VISCOSITY * v + gravity
-
-
-def test_the_columns_are_the_change_of_the_torque():
-    order, small = 2.0, 1e-6
-    measured = sines(np.linspace(0.0, 3.0, 200), LINES)
-    true = off_by(*measured, small, order)
-    signals = np.zeros((200, N_SIGNALS))
-    signals[:, [Q, V, A]] = np.transpose(measured)
-    signals[:, GX], signals[:, GY] = 9.81 * np.sin(measured[0]), 9.81 * np.cos(measured[0])
-    term = EncoderTerm("position", order, INERTIA, ARMS, VISCOSITY)
-    change = (torque(*measured) - torque(*true)) / small
-    np.testing.assert_allclose(term.columns(None, signals)[:, 0], change, rtol=1e-4, atol=1e-4)
 
 
 def test_its_size_is_told_where_viscous_friction_says_it(tmp_path):

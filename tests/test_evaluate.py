@@ -149,12 +149,6 @@ def test_a_target_needs_a_controller_and_gives_a_closed_loop() -> None:
         fj.evaluate(NONE, [log])
 
 
-def test_a_log_of_another_joint_is_named() -> None:
-    log = replace(simulated(COULOMB), joint="wrist")
-    with pytest.raises(FrictionJointError, match="no joint is in the model and in every log"):
-        fj.evaluate(COULOMB, [log])
-
-
 def test_a_drive_of_nothing_has_no_percentage() -> None:
     log = simulated(COULOMB)
     torque = 1e-9 * log.torque

@@ -1,8 +1,6 @@
 """The C header gives the torque of the law it was made from, and compiles without a word."""
 
-import ctypes
 import itertools
-import math
 import shutil
 import subprocess
 
@@ -13,8 +11,6 @@ from acting import acting
 from acting import name as effect_name
 from c_header import COMPILER, Header, compile_c
 
-from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
 from frictionjoint.export.c import header, lost_effects
@@ -34,8 +30,6 @@ from frictionjoint.simulate.carrier import load_model, read_friction
 from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.simulate.stick_slip import kuka_model
-from frictionjoint.translate.c_functions import source
-from frictionjoint.translate.c_math import HELPERS
 
 needs_c = pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
 KNOTS = ((1e-4, 1.1), (3e-4, 2.2), (2e-3, 3.4))
@@ -156,29 +150,6 @@ def test_the_c_library_gives_exp_log_and_pow_alone(tmp_path):
 
 
 @needs_c
-def test_the_mathematics_is_that_of_a_full_library(tmp_path):
-    names = ("log1p", "expm1", "tanh", "atan", "sin", "cos", "tan", "sqrt")
-    calls = "".join(
-        f"double {n}_(double x);\ndouble {n}_(double x) {{ return fj_{n}(x); }}\n" for n in names
-    )
-    unused = ("abs_int", "min", "max", "min_int", "max_int", "ceil", "square")
-    text = "\n".join(x for n, x in HELPERS.items() if n not in unused)
-    library = ctypes.CDLL(
-        str(compile_c(tmp_path, f"#include <math.h>\n{text}\n{calls}", "-shared", "-fPIC"))
-    )
-    small = np.concatenate([10.0 ** np.linspace(-300, 1, 500), np.linspace(0.1, 30.0, 500)])
-    both = np.concatenate([-small, [0.0], small])
-    angles = np.concatenate([both, np.linspace(-1e5, 1e5, 1001)])
-    ranges = {"log1p": both[both > -1], "sqrt": small, "sin": angles, "cos": angles, "tan": angles}
-    for n in names:
-        function = getattr(library, f"{n}_")
-        function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
-        for x in ranges.get(n, both):
-            # beside a zero the argument's own last digit is what counts
-            assert function(x) == pytest.approx(getattr(math, n)(x), rel=3e-15, abs=2e-16), (n, x)
-
-
-@needs_c
 def test_a_joint_that_asks_for_its_surroundings_says_so(tmp_path):
     effect = next(e for e in CATALOGUE if e.name == "load-dependent")
     friction = {"a b": JointFriction(INTEGRATED[0], (SimulatedEffect(effect, (1e-3,), (0.2,)),))}
@@ -187,14 +158,6 @@ def test_a_joint_that_asks_for_its_surroundings_says_so(tmp_path):
     assert np.isnan(made.torque(0, [1.0], [0.0], [0.0], state=state)[0])
     assert not state.any()
     assert np.isfinite(made.torque(0, [1.0], [0.0], [0.0], np.ones((1, 6)), state)[0])
-
-
-def test_only_what_the_joints_need_is_in_the_header():
-    text = header({"j": JointFriction(INTEGRATED[0])}, "friction.h")
-    assert "fj_law_integrated_usual_step" in text
-    assert "fj_law_lugre_step" not in text
-    assert "effect_torque" not in text
-    assert "fj_law_lugre_step" in header({"j": JointFriction(LUGRE)}, "friction.h")
 
 
 def test_what_only_a_log_knows_is_named():
@@ -209,22 +172,6 @@ def test_joints_that_c_cannot_tell_apart_are_refused():
     carried = JointFriction(INTEGRATED[0])
     with pytest.raises(ModelError, match="'a b' and another are both a_b in C"):
         header({"a_b": carried, "a b": carried}, "friction.h")
-
-
-@compiled
-def _lists(x: float) -> float:
-    return [x][0]
-
-
-@compiled
-def _negative(X: Vector) -> float:
-    return X[-1]
-
-
-@pytest.mark.parametrize("function", [_lists, _negative])
-def test_what_cannot_be_translated_is_named(function):
-    with pytest.raises(ModelError, match=rf"{function.py_func.__name__} cannot be translated"):
-        source([function], {})
 
 
 @needs_c

@@ -15,13 +15,11 @@ from typer.testing import CliRunner
 import frictionjoint as fj
 from frictionjoint.cli import app
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.errors import FrictionJointError, LogError, ModelError, ParameterError
-from frictionjoint.export.motion import log_motions, stated_motion
+from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.export.run import Target, export, output_file
-from frictionjoint.export.sliding import plain_friction
-from frictionjoint.joint_friction import JointFriction, SimulatedEffect
+from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import StaticParameters
-from frictionjoint.simulate.carrier import install, load_model
+from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.stick_slip import kuka_model
 
 LAW = fj.FrictionParameters(
@@ -113,14 +111,6 @@ def test_what_is_lost_is_named(one_joint, tmp_path):
     assert native.losses[0].torque_lost < urdf.losses[0].torque_lost
 
 
-def test_sliding_of_coulomb_friction_loses_nothing(tmp_path):
-    law = fj.FrictionParameters.symmetric(Fs=1.0, Fc=1.0, Vs=0.05, stiffness=3000.0)
-    native, _ = written(arm(tmp_path, {"turn": law}), Target.NATIVE, tmp_path / "out")
-    (loss,) = native.losses
-    assert loss.sliding_lost < 0.01 * loss.torque < 0.1 * loss.torque_lost
-    assert native.lost == ("turn: presliding with its memory",)
-
-
 def test_it_does_not_creep(tmp_path):
     path = arm(tmp_path, {"turn": LAW})
     _, file = written(path, Target.NATIVE, tmp_path / "out")
@@ -193,17 +183,6 @@ def test_the_urdf_is_the_same_robot(tmp_path):
     assert fresh.dof_frictionloss[rail] == pytest.approx(0.2 + 1.4, abs=0.01)
 
 
-def test_ball_joints_have_no_urdf(tmp_path):
-    text = ARM.format(user=3).replace('name="turn" axis="1 0 0"', 'name="turn" type="ball"')
-    spec = mujoco.MjSpec.from_string(text.replace('<joint name="elbow"', '<joint name="elbow"'))
-    spec.delete(spec.joint("elbow"))
-    install(spec, {"shoulder": LAW})
-    spec.compile()
-    (tmp_path / "ball.xml").write_text(spec.to_xml())
-    with pytest.raises(ModelError, match="'turn' is a ball joint"):
-        export(tmp_path / "ball.xml", Target.URDF, tmp_path / "x.urdf")
-
-
 @pytest.fixture
 def isaac_actuators(monkeypatch):
     """What an exported file hands to Isaac Lab, by joint: a stand-in with the fields of its 3.0."""
@@ -225,19 +204,6 @@ def isaac_actuators(monkeypatch):
     return lambda file: runpy.run_path(str(file))["ACTUATORS"]
 
 
-def test_isaac_lab_gets_its_own_words(one_joint, tmp_path, isaac_actuators):
-    _, file = written(one_joint, Target.ISAAC, tmp_path / "out", speeds=(0.1, 2.0))
-    actuators = isaac_actuators(file)
-    assert set(actuators) == {"elbow"}
-    found = actuators["elbow"]
-    assert found.joint_names_expr == ["elbow"]
-    assert found.stiffness is found.damping is None
-    assert found.friction == pytest.approx(1.4)
-    assert found.dynamic_friction == pytest.approx(1.4, abs=0.01)
-    assert found.viscous_friction == pytest.approx(0.3 + 0.3 + 0.25, abs=0.01)
-    assert found.armature == pytest.approx(0.05)
-
-
 def test_isaac_lab_gets_efforts_in_newton_metres_and_newtons(tmp_path, isaac_actuators):
     falls = StaticParameters.symmetric(Fs=2.0, Fc=1.2, Vs=0.02, delta=2.0, sigma2=0.7, V0=1e-3)
     path = arm(tmp_path, {"elbow": falls, "rail": falls})
@@ -252,16 +218,6 @@ def test_isaac_lab_gets_efforts_in_newton_metres_and_newtons(tmp_path, isaac_act
         assert found.viscous_friction == pytest.approx(0.7 + damping, abs=2e-3)
         # PhysX asks for it
         assert found.dynamic_friction <= found.friction
-
-
-def test_isaac_labs_dynamic_friction_is_that_above_the_stribeck_range(tmp_path, isaac_actuators):
-    """Fitted from rest on, the fall from Fs to Fc would go into it: 0.05 became 0.162."""
-    falls = StaticParameters.symmetric(Fs=0.5, Fc=0.05, Vs=0.1, delta=2.0, sigma2=0.02, V0=1e-3)
-    _, file = written(arm(tmp_path, {"elbow": falls}), Target.ISAAC, tmp_path / "out")
-    found = isaac_actuators(file)["elbow"]
-    assert found.friction == pytest.approx(0.5)
-    assert found.dynamic_friction == pytest.approx(0.05, rel=0.02)
-    assert found.viscous_friction == pytest.approx(0.3 + 0.02, rel=0.01)
 
 
 def test_newton_gets_its_own_words(one_joint, tmp_path):
@@ -285,50 +241,6 @@ def test_newton_gets_its_own_words(one_joint, tmp_path):
         module["apply"](builder)
 
 
-def test_the_fit_is_that_of_least_squares():
-    speeds = np.linspace(0.2, 2.0, 50)
-    carried = JointFriction(dataclasses.replace(LAW, sigma2_neg=0.4), EFFECTS)
-    found = plain_friction(carried, speeds)
-    # above the Stribeck range the law is a line
-    assert found.coulomb == pytest.approx(1.4, abs=1e-6)
-    assert found.damping == pytest.approx((0.4 + 0.25,), abs=1e-6)
-    assert found.preload == pytest.approx(0.1 + 0.3 + 0.1)
-    assert found.misfit < 1e-6
-    quadratic = effect("nonlinear-viscous", (2.0,), (0.5,))
-    curved = plain_friction(JointFriction(LAW, (quadratic,)), speeds, 3)
-    assert curved.damping == pytest.approx((0.3, 0.5), abs=1e-6)
-
-
-def test_the_stated_motion_slides_and_does_not():
-    motion = stated_motion(LAW, 0.7, (0.01, 1.0))
-    assert motion.position[0] == 0.7
-    assert motion.position[-1] == pytest.approx(0.7, abs=1e-6)
-    assert motion.speeds.max() == pytest.approx(1.0, rel=1e-3)
-    first = motion.time < 2.0
-    assert np.ptp(motion.position[first]) < 2.0 * 1.5 / LAW.stiffness
-    np.testing.assert_allclose(
-        np.gradient(motion.position, motion.time), motion.velocity, atol=0.01
-    )
-
-
-def test_a_log_gives_the_motion(tmp_path):
-    t = np.arange(0.0, 4.0, 0.005)
-    q = 0.4 * np.sin(2.0 * t)
-    rows = "\n".join(f"{a},{b},{np.sin(a)}" for a, b in zip(t, q, strict=True))
-    log = tmp_path / "log.csv"
-    log.write_text("time_s,position_rad,torque_nm\n" + rows)
-    (motion,) = log_motions(log, ["elbow"], {}).values()
-    assert np.abs(motion.velocity[50:-50] - 0.8 * np.cos(2.0 * t[50:-50])).max() < 0.01
-    with pytest.raises(LogError, match="2 joints have friction, name them in the columns"):
-        log_motions(log, ["elbow", "turn"], {})
-
-
-def test_an_armature_below_zero_is_refused(tmp_path):
-    path = arm(tmp_path, {"turn": LAW}, {"turn": (effect("inertia-error", (), (-0.05,)),)})
-    with pytest.raises(ModelError, match=r"joint 'turn': its inertia error of -0\.05"):
-        export(path, Target.NATIVE, tmp_path / "x.xml")
-
-
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
@@ -347,13 +259,6 @@ def test_bad_input_writes_nothing(arguments, word, one_joint, tmp_path):
     assert not out.exists()
 
 
-def test_a_model_without_friction_is_refused(tmp_path):
-    path = tmp_path / "bare.xml"
-    path.write_text(ARM.format(user=0))
-    with pytest.raises(ModelError, match="has no friction"):
-        export(path, Target.NATIVE, tmp_path / "x.xml")
-
-
 def test_the_command_tells_what_is_lost(tmp_path):
     run = CliRunner().invoke(
         app, ["export", str(kuka_model()), "--to", "urdf", "--out", str(tmp_path), "--json"]
@@ -364,40 +269,3 @@ def test_the_command_tells_what_is_lost(tmp_path):
     assert Path(said["file"]).is_file()
     (loss,) = said["losses"]
     assert 10.0 < loss["torque_lost"] < loss["torque"] == pytest.approx(38.7, abs=0.5)
-
-
-def test_a_folder_gets_a_name_by_the_target(tmp_path):
-    assert output_file(tmp_path, Target.C) == tmp_path / "friction.h"
-    assert output_file(tmp_path / "new", Target.C) == tmp_path / "new" / "friction.h"
-    assert output_file(tmp_path / "x.hpp", Target.C) == tmp_path / "x.hpp"
-    (tmp_path / "file").write_text("")
-    with pytest.raises(ModelError, match="file without a suffix"):
-        output_file(tmp_path / "file", Target.C)
-
-
-def test_assets_are_found_from_the_export(tmp_path):
-    (tmp_path / "meshes").mkdir()
-    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * 0.1
-    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
-    lines = [f"v {x} {y} {z}" for x, y, z in corners]
-    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
-    (tmp_path / "meshes/tetra.obj").write_text("\n".join(lines))
-    text = ARM.format(user=3).replace(
-        '<compiler angle="radian"/>',
-        '<compiler angle="radian" meshdir="meshes"/>'
-        '<asset><mesh name="t" file="tetra.obj"/></asset>',
-    )
-    text = text.replace('<geom size="0.02" mass="0.2"/>', '<geom type="mesh" mesh="t" mass="0.2"/>')
-    (tmp_path / "bare.xml").write_text(text)
-    spec = mujoco.MjSpec.from_file(str(tmp_path / "bare.xml"))
-    install(spec, {"turn": LAW})
-    spec.compile()
-    (tmp_path / "arm.xml").write_text(spec.to_xml())
-    load_model(tmp_path / "arm.xml")
-    _, file = written(tmp_path / "arm.xml", Target.NATIVE, tmp_path / "elsewhere")
-    assert mujoco.MjModel.from_xml_path(str(file)).nmesh == 1
-
-
-def test_no_speed_no_fit():
-    with pytest.raises(ParameterError, match="no speed above zero"):
-        plain_friction(JointFriction(LAW), np.zeros(0))

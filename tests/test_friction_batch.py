@@ -134,32 +134,6 @@ def test_arrays_of_other_libraries_are_read_without_a_copy():
         batch.step(Tensor(q, 2), v, 1e-3)
 
 
-def test_torch_tensors_are_read_in_place_and_come_back_as_tensors():
-    torch = pytest.importorskip("torch", reason="PyTorch is not installed")
-    batch, own = fj.FrictionBatch(LAW, (2, 2)), fj.FrictionBatch(LAW, (2, 2))
-    for kind in (torch.float64, torch.float32):
-        q, v = torch.full((2, 2), 1e-3, dtype=kind), torch.ones(2, 2, dtype=kind)
-        assert np.shares_memory(batch._array("q", q), q.numpy())
-        found, wanted = batch.step(q, v, 1e-3), own.step(q.numpy(), v.numpy(), 1e-3)
-        for x, y in zip(found, wanted, strict=True):
-            assert isinstance(x, torch.Tensor)
-            assert x.dtype == kind
-            np.testing.assert_array_equal(x.numpy(), y)
-    with pytest.raises(FrictionJointError, match=r"q cannot be read .*tensor.detach"):
-        batch.step(torch.zeros(2, 2, requires_grad=True), v, 1e-3)
-
-
-def test_what_dlpack_refuses_is_one_line():
-    """As torch refuses a tensor that requires a gradient."""
-
-    class Refused(Tensor):
-        def __dlpack__(self, **kwargs):
-            raise BufferError("use tensor.detach()")
-
-    with pytest.raises(FrictionJointError, match=r"v cannot be read .*: use tensor.detach"):
-        fj.FrictionBatch(LAW, 3).step(np.zeros(3), Refused(np.zeros(3)), 1e-3)
-
-
 @pytest.mark.parametrize("kind", [np.float64, np.float32])
 def test_warp_computes_the_same(kind):
     pytest.importorskip("warp", reason="Warp is not installed")
@@ -202,10 +176,3 @@ def test_the_examples_without_mujocos_callback(capsys):
     text = printed("isaac_lab_actuator", capsys)
     assert "the joint stays at 0.00" in text
     assert "the joint goes to 0.29" in text
-
-
-def test_the_newton_example(capsys):
-    pytest.importorskip("newton", reason="Newton is not installed")
-    text = printed("newton_joint", capsys)
-    assert abs(numbers("0.3 kg, with friction:", text)[0]) < 5e-3
-    assert numbers("0.8 kg, with friction:", text)[0] > 0.5

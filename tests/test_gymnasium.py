@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.errors import ModelError
 from frictionjoint.simulate.carrier import read_friction
-from frictionjoint.simulate.stick_slip import kuka_model, native_model
+from frictionjoint.simulate.stick_slip import kuka_model
 
 gymnasium = pytest.importorskip("gymnasium")
 from gym_joint import JointTracking  # noqa: E402
@@ -52,30 +51,6 @@ def test_an_episode_equals_plain_steps_also_after_resets(plain):
     assert np.abs(episode(JointTracking()) - plain).max() > 1e-2
 
 
-def test_user_data_is_wiped_by_a_reset():
-    environment = Friction(JointTracking())
-    episode(environment)
-    data = environment.unwrapped.data
-    assert np.abs(data.userdata).max() > 1.0
-    environment.unwrapped.reset_model = lambda: None
-    environment.unwrapped.reset()
-    assert not data.userdata.any()
-    environment.close()
-
-
-def test_a_model_without_friction_is_refused():
-    with pytest.raises(ModelError, match="has no friction"):
-        Friction(JointTracking(native_model(kuka_model())))
-
-
-def test_one_environment_closing_leaves_the_others_their_friction(plain):
-    first, second = Friction(JointTracking()), Friction(JointTracking())
-    episode(first)
-    first.close()
-    np.testing.assert_array_equal(episode(second), plain)
-    second.close()
-
-
 @pytest.mark.parametrize("kind", ["SyncVectorEnv", "AsyncVectorEnv"])
 def test_vectors_equal_plain_steps(kind, plain):
     def make():
@@ -89,18 +64,6 @@ def test_vectors_equal_plain_steps(kind, plain):
         ]
         np.testing.assert_array_equal(np.array(positions), np.stack([plain, plain], axis=1))
     environments.close()
-
-
-def test_registered_environments_take_friction_as_a_wrapper(plain):
-    gymnasium.register(id="frictionjoint/Tracking-v0", entry_point=JointTracking)
-    vector = gymnasium.make_vec(
-        "frictionjoint/Tracking-v0", num_envs=2, vectorization_mode="sync", wrappers=[Friction]
-    )
-    vector.reset(seed=1)
-    for k in range(STEPS):
-        observation, *_ = vector.step(np.tile(action(k), (2, 1)))
-        np.testing.assert_array_equal(observation[:, 0], plain[k])
-    vector.close()
 
 
 def test_friction_is_drawn_anew_at_every_reset_and_follows_the_seed():

@@ -8,7 +8,6 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.errors import LogError
 from frictionjoint.measured import JointLog
-from frictionjoint.measured.repairs import silent_runs
 
 N, DT, STIFFNESS, LEVEL = 3000, 4e-3, 100.0, 0.5
 JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>
@@ -73,14 +72,3 @@ def test_a_joint_that_coasts_tells_its_friction() -> None:
     velocity = np.select([t < 4.0, t < 6.5], [driven, slow], 5.0 + 2.0 * np.sin(np.pi * (t - 6.5)))
     found = fj.identify([switched_off(velocity, 4.0, 6.5)], JOINT, "j")
     assert not [n for n in found.notes if "another drive" in n]
-
-
-def test_a_joint_that_stands_with_its_drive_off_is_not_said_to_move() -> None:
-    rng = np.random.default_rng(3)
-    position = np.concatenate([np.sin(DT * np.arange(1000)), np.full(1000, 0.4)])
-    position += 1e-4 * rng.standard_normal(2000)
-    drive = np.where(np.arange(2000) < 1000, 0.1, 0.0)
-    time = DT * np.arange(2000)
-    assert not silent_runs(time, position, drive)
-    position[1000:] += 0.01 * np.sin(time[1000:])
-    assert silent_runs(time, position, drive) == [(1000, 2000)]

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.kept_back import prepare_kept_back
-from frictionjoint.effects.signals import TIME
 from frictionjoint.effects.warm_up_drift import BY_LOSS
 from frictionjoint.effects.warm_up_drift import EFFECT as BY_TIME
 from frictionjoint.errors import LogError
@@ -53,22 +52,3 @@ def test_a_part_of_next_to_no_samples_tests_nothing():
     band = prepare([first], BODY).band
     with pytest.raises(LogError, match=r"samples are left of it .*: hold out a longer part or log"):
         prepare_kept_back([last], BODY, band)
-
-
-def test_it_keeps_its_clock_and_counts_none_of_what_was_fitted():
-    log = warming()
-    first, last = split_in_time(log, 0.3)
-    band = prepare([first], BODY).band
-    (segment,) = prepare_kept_back([last], BODY, band).segments
-    counted = segment.signals[:: segment.step, TIME][segment.kept]
-    # two periods of the filter's corner at either end are spoilt
-    reach = 2.0 / band.balance + 2.0 * segment.dt * segment.step
-    assert last.time[0] < counted[0] < last.time[0] + reach
-    assert counted[-1] <= log.time[-1]
-
-
-def test_a_whole_log_held_out_is_prepared_as_it_is():
-    log = warming()
-    band = prepare([log], BODY).band
-    (plain,), (held_out,) = (f([log], BODY, band).segments for f in (prepare, prepare_kept_back))
-    assert np.array_equal(plain.mask, held_out.mask)

@@ -48,11 +48,6 @@ def test_clear_native_takes_the_damping_of_springdamper_and_leaves_its_spring():
     assert read_again.dof_damping[dof] == 0.0
 
 
-def test_damping_of_springdamper_counts_twice_without_it():
-    with pytest.warns(RuntimeWarning, match="counts twice.*'slide' has damping"):
-        fj.install(hand(SPRINGDAMPER), {"slide": law()})
-
-
 def test_friction_is_replaced_when_asked_and_takes_no_more_room():
     spec = hand()
     fj.install(spec, {"wrist": law(1.5), "slide": law(1.2)})
@@ -81,16 +76,6 @@ def test_friction_of_an_elastic_joint_is_replaced_with_its_spring():
     assert one.joint("slide_deflection").stiffness == pytest.approx(
         other.joint("slide_deflection").stiffness, rel=1e-9
     )
-
-
-def test_friction_of_an_attached_model_is_replaced_under_its_prefix():
-    child, parent = hand(), mujoco.MjSpec()
-    fj.install(child, {"wrist": law(1.5)})
-    parent.attach(child, prefix="L_", frame=parent.worldbody.add_frame())
-    fj.install(parent, {"L_wrist": law(1.0)}, replace=True)
-    model = parent.compile()
-    assert model.nnumeric == 1
-    assert read_friction(model)["L_wrist"].parameters == law(1.0)
 
 
 @pytest.fixture
@@ -124,14 +109,3 @@ def test_all_leaves_out_what_is_excluded(folder):
     )
     done = install(folder, "hand.xml", "--joint", "wrist=gear.toml", "--exclude", "slide")
     assert (done.returncode, "requires --all TOML" in done.stderr) == (2, True)
-
-
-def test_the_command_replaces_when_asked(folder):
-    assert install(folder, "hand.xml", "--joint", "wrist=gear.toml").returncode == 0
-    (folder / "out.xml").rename(folder / "first.xml")
-    (folder / "new.toml").write_text(toml_text(law(0.5)))
-    done = install(folder, "first.xml", "--joint", "wrist=new.toml")
-    assert (done.returncode, "--replace" in done.stderr) == (2, True)
-    done = install(folder, "first.xml", "--joint", "wrist=new.toml", "--replace")
-    assert done.returncode == 0, done.stderr
-    assert read_friction(fj.load_model(folder / "out.xml"))["wrist"].parameters == law(0.5)

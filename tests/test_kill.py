@@ -10,17 +10,13 @@ import time
 from pathlib import Path
 
 import pytest
-from command_line import run
 from test_cli import LOG, MODEL
 
 from frictionjoint.errors import FrictionJointError
-from frictionjoint.files import toml_text
-from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.write import write_files
 
 EXIT = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGKILL: -9}
 REPORT = {"report.json", "report.html", "model.xml"}
-IDENTIFY = ("identify", LOG, "--model", MODEL, "--joint", "joint")
 
 
 def start(folder: Path) -> subprocess.Popen[str]:
@@ -130,26 +126,3 @@ def test_older_files_stay_where_the_new_ones_cannot_be_written(tmp_path):
     with pytest.raises(FrictionJointError, match="cannot write"):
         write_files(tmp_path, {"a": "new", "missing/b": "new"})
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("a", "old")]
-
-
-def test_a_file_in_the_folders_place_is_refused_and_kept(tmp_path):
-    (tmp_path / "out").write_text("a file")
-    done = run(*IDENTIFY, "--out", "out/joint.toml", cwd=tmp_path)
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
-    assert "out" in done.stderr
-    assert (tmp_path / "out").read_text() == "a file"
-
-
-def test_a_place_that_takes_no_files_is_refused_in_one_line(tmp_path):
-    """Under /proc nobody writes, not even root."""
-    parameters = FrictionParameters.symmetric(
-        Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-4, 1.5), (1e-3, 3.2))
-    )
-    (tmp_path / "a.toml").write_text(toml_text(parameters))
-    done = run(
-        "install", MODEL, "--joint", "joint=a.toml", "--out", "/proc/x/arm.xml", cwd=tmp_path
-    )
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
-    assert "/proc/x" in done.stderr

@@ -51,27 +51,6 @@ def test_what_stands_above_the_header_and_empty_columns_are_no_harm(
     assert all(f"1 to {skipped} skipped" in note for note in said)
 
 
-@pytest.mark.parametrize("longer", ["header", "rows"])
-def test_empty_cells_of_the_header_or_of_the_rows_alone_are_no_harm(
-    tmp_path: Path, longer: str
-) -> None:
-    text = csv(tmp_path / "a.csv").read_text().splitlines()
-    text = [
-        line + ",," if (i == 0) == (longer == "header") else line for i, line in enumerate(text)
-    ]
-    (tmp_path / "a.csv").write_text("\n".join(text))
-    np.testing.assert_array_equal(read_log(tmp_path / "a.csv").position, Q)
-
-
-def test_a_fault_below_a_preamble_is_named_by_its_line(tmp_path: Path) -> None:
-    path = csv(tmp_path / "a.csv", "rig,3\nno,4\n")
-    lines = path.read_text().splitlines()
-    lines[3] = "0.0,often,0.1"
-    path.write_text("\n".join(lines))
-    with pytest.raises(LogError, match="row 4, position_rad: 'often' is not a number"):
-        read_log(path)
-
-
 def test_a_line_of_units_is_read_where_it_agrees(tmp_path: Path) -> None:
     path = csv(tmp_path / "a.csv")
     header, rest = path.read_text().split("\n", 1)
@@ -103,20 +82,6 @@ def test_units_are_converted_where_they_are_named(
     log = read_log(path, units=unit)
     for name, x in (("time", T), ("position", Q), ("torque", TAU)):
         np.testing.assert_allclose(getattr(log, name), x, rtol=1e-12, atol=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("units", "what"),
-    [
-        ({"angle": "deg"}, "'angle' is no quantity"),
-        ({"position": "parsec"}, "'parsec' is not known: give one of rad, mrad, deg"),
-        ({"position": "counts"}, "write counts:PER_TURN"),
-        ({"position": "mm"}, "position_rad: it cannot be in 'mm'"),
-    ],
-)
-def test_unknown_units_are_one_line(tmp_path: Path, units: dict[str, str], what: str) -> None:
-    with pytest.raises(LogError, match=what):
-        read_log(csv(tmp_path / "a.csv"), units=units)
 
 
 def lerobot(folder: Path, episodes: int = 3) -> Path:
@@ -243,14 +208,6 @@ def test_a_recording_of_mujocos_own_identification(tmp_path: Path) -> None:
     np.testing.assert_allclose(log.torque, TAU)
     with pytest.raises(LogError, match="it has time_s, pos, m_ctrl"):
         read_log(path, "j")
-
-
-def test_a_drive_at_zero_while_the_joint_moves_is_said(tmp_path: Path) -> None:
-    silent = np.where(T > 1.5, 0.0, TAU)
-    log = read_log(csv(tmp_path / "a.csv", columns=(T, Q, silent)))
-    assert any("exactly 0 in 50% of the log while the joint moves" in x for x in log.notes)
-    still = np.where(T > 1.5, Q[150], Q)
-    assert not read_log(csv(tmp_path / "b.csv", columns=(T, still, silent))).notes
 
 
 MESHES = """<mujoco><compiler meshdir="parts"/><asset><mesh name="link" file="link.stl"/></asset>

@@ -1,7 +1,6 @@
 """Whatever a file holds, a reader gives a log or a LogError of one line, nothing else."""
 
 import io
-import json
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -91,21 +90,6 @@ def test_a_good_table_with_one_bad_cell(
 )
 def test_any_bytes_under_any_name(suffix: str, content: bytes) -> None:
     never_anything_else(f"log.{suffix}", content)
-
-
-value = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3)
-KEYS = ["timestamp", "position", "speed", "load", "input_volts", "temp", "goal_position"]
-
-
-@settings(max_examples=EXAMPLES, deadline=None)
-@given(st.dictionaries(st.sampled_from([*KEYS, "torque_enable"]), value), st.integers(0, 60))
-def test_any_entry_of_the_servo_log(entry: dict[str, object], at: int) -> None:
-    good = [
-        dict.fromkeys(KEYS, np.sin(0.1 * i)) | {"timestamp": 0.01 * i, "torque_enable": True}
-        for i in range(61)
-    ]
-    good[at] = entry
-    never_anything_else("log.json", json.dumps({"kp": 1, "entries": good}).encode())
 
 
 def whole(suffix: str) -> bytes:

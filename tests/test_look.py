@@ -10,7 +10,6 @@ import pytest
 from command_line import run
 from reports import empty, good, robot
 
-from frictionjoint.cli.terminal import Steps
 from frictionjoint.files import toml_text
 from frictionjoint.parameters import FrictionParameters
 
@@ -98,26 +97,6 @@ def test_reports_are_compared(tmp_path):
     refused = run("compare", "x.json", cwd=tmp_path)
     assert refused.returncode == 2
     assert "x.json: not a report" in refused.stderr
-
-
-def test_types_of_options_are_words(tmp_path):
-    for command in ("close-loop", "sample", "compare", "demo", "plot", "export", "check"):
-        told = run(command, "--help", cwd=tmp_path).stdout
-        assert not re.search(r"<(bool|int|str|path|list|float)", told)
-        assert "x>=" not in told
-    assert "INTEGER" in run("sample", "--help", cwd=tmp_path).stdout
-    assert "FILE..." in run("plot", "--help", cwd=tmp_path).stdout
-    assert "130 interrupted" in " ".join(run("--help", cwd=tmp_path).stdout.split())
-
-
-def test_progress_says_how_much_is_done_and_left():
-    steps = Steps()
-    assert steps.left("reading", 0.0) == ""
-    assert steps.left("fitting the friction law, 1 of 5", 10.0) == "0%"
-    assert steps.left("fitting the friction law, 3 of 5", 30.0) == "40%, about 30 s left"
-    # another kind of work is timed anew
-    assert steps.left("joint 2 of 4: elbow", 100.0) == "25%"
-    assert steps.left("joint 3 of 4: wrist", 400.0) == "50%, about 10 min left"
 
 
 def test_a_demo_goes_where_it_is_asked_to(tmp_path):

@@ -5,12 +5,11 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.effects import backlash, joint_elasticity, load_dependent
+from frictionjoint.effects import backlash, joint_elasticity
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import StaticParameters
 from frictionjoint.simulate.carrier import read_friction
-from frictionjoint.simulate.check import check_model
 
 SMOOTH = StaticParameters.symmetric(Fs=1e-9, Fc=1e-9, Vs=0.1, sigma2=0.02, V0=1e-3)
 BODIES = {
@@ -87,20 +86,6 @@ def test_gravity_bends_the_spring():
     assert data.qpos[1] == pytest.approx(-1.5 * 0.2 * 9.81 / stiffness, rel=0.01)
 
 
-def test_a_first_link_too_far_out_is_heavier_and_nearer():
-    """Its inertia is what was identified, and what it weighs about the axis what it was."""
-    far = spec_of('pos="0.4 0 0" mass="0.2" diaginertia="0.01 0.01 0.01"', 0.01, gravity=9.81)
-    behind, weight = 0.02, 0.2 * 0.4
-    model = installed(far, (joint_elasticity.EFFECT, (RESONANCE, 0.2), (behind,)))
-    assert model.body_mass[1] * model.body_ipos[1, 0] == pytest.approx(weight)
-    data, M = mujoco.MjData(model), np.zeros((2, 2))
-    mujoco.mj_forward(model, data)
-    for row, unit in zip(M, np.eye(2), strict=True):
-        mujoco.mj_mulM(model, data, row, unit)
-    assert M[1] == pytest.approx(behind)
-    assert M[0, 0] == pytest.approx(0.2 * 0.4**2 + 0.01 + 0.01)
-
-
 @pytest.mark.parametrize("step", [0.001, 0.002])
 @pytest.mark.parametrize("integrator", ["mjINT_EULER", "mjINT_IMPLICITFAST"])
 def test_a_gap_keeps_its_energy(step, integrator):
@@ -156,16 +141,6 @@ def test_what_cannot_be_said_is_refused_or_warned_of():
         fj.attach(model)
 
 
-def test_a_deflection_that_is_gone_is_missed():
-    spec = spec_of(*BODIES["in the armature"])
-    fj.install(spec, {"j": SMOOTH}, {"j": [SimulatedEffect(*ELASTIC)]})
-    spec.delete(spec.joint("j_deflection"))
-    spec.delete(spec.key("k"))
-    model = spec.compile()
-    with pytest.raises(ModelError, match="its joint 'j_deflection' is missing"):
-        fj.attach(model)
-
-
 @pytest.mark.parametrize("case", BODIES)
 def test_taken_out_again_the_joint_has_its_inertia(case):
     spec = spec_of(*BODIES[case])
@@ -176,14 +151,3 @@ def test_taken_out_again_the_joint_has_its_inertia(case):
     mujoco.mj_forward(model, data)
     assert data.M[0] == pytest.approx(INERTIA, rel=1e-4)
     assert (model.nv, model.ntendon) == (1, 0)
-
-
-def test_check_says_how_each_effect_acts():
-    load = (load_dependent.EFFECT, (1e-3,), (0.1,))
-    (row,) = check_model(installed(spec_of(*BODIES["in the armature"]), ELASTIC, load))
-    held, *effects = row["acts"]
-    assert held.startswith("static: a joint at rest is held by an elastic element")
-    assert effects == [
-        "elastic gear or shaft is the joint j_deflection between motor and link",
-        "friction that grows with load adds a torque",
-    ]

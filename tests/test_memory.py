@@ -7,46 +7,11 @@ from reference.integrated_solver import reference_torque
 
 from frictionjoint import friction_torque
 from frictionjoint.law import memory as m
-from frictionjoint.law.integrated import start
 from frictionjoint.law.kernel import commit, row_size, start_row, step_row
 from frictionjoint.parameters import FrictionParameters
 
 KNOTS = ((1e-5, 4.0), (3e-5, 8.0), (1e-4, 12.0))
 LAW = FrictionParameters.symmetric(Fs=5.0, Fc=5.0, Vs=0.01, n=8.0, knots=KNOTS)
-
-
-def test_start_holds_only_the_limits():
-    X = np.full(m.HEADER + 2 * m.CAPACITY, np.nan)
-    start(LAW.pack()[1:], 0, X, 0, m.HEADER)
-    assert X[: m.HEADER].tolist() == [0, 0, 0, 1, 1, 1, 1, 0, 0]
-    assert (X[m.HEADER], X[m.HEADER + m.CAPACITY]) == (-5.0, 5.0)
-
-
-def test_the_outermost_pair_may_be_the_closest():
-    X = np.zeros(m.HEADER + 2 * m.CAPACITY)
-    levels = 5.0 - np.arange(m.CAPACITY) * 0.1
-    levels[1] = 4.99
-    lows, highs = X[m.HEADER : m.HEADER + m.CAPACITY], X[m.HEADER + m.CAPACITY :]
-    lows[:], highs[:] = -levels, levels
-    X[m.N_MIN] = X[m.N_MAX] = m.CAPACITY
-    m.make_room(X, 0, m.HEADER)
-    np.testing.assert_array_equal(highs[:-1], np.delete(levels, 1))
-
-
-def test_room_is_made_by_giving_up_the_closest_pair_and_never_the_limits():
-    X = np.zeros(m.HEADER + 2 * m.CAPACITY)
-    levels = 5.0 - np.arange(m.CAPACITY) * 0.1
-    levels[7:] -= 0.05
-    levels[8:] += 0.09
-    lows, highs = X[m.HEADER : m.HEADER + m.CAPACITY], X[m.HEADER + m.CAPACITY :]
-    lows[:], highs[:] = -levels, levels
-    X[m.N_MIN] = X[m.N_MAX] = m.CAPACITY
-    m.make_room(X, 0, m.HEADER)
-    assert X[m.N_MIN] == X[m.N_MAX] == m.CAPACITY - 1
-    assert X[m.FORGOTTEN] == 1
-    assert np.isclose(X[m.BOUND], levels[7] - levels[8])
-    np.testing.assert_array_equal(highs[:-1], np.delete(levels, 8))
-    np.testing.assert_array_equal(lows[:-1], -np.delete(levels, 8))
 
 
 def test_a_spiral_deeper_than_the_stacks_stays_near_full_memory():

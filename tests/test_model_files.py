@@ -1,6 +1,5 @@
 """Models that are written find their meshes wherever they lie; URDFs are read; nothing is lost."""
 
-import os
 import struct
 import zlib
 from pathlib import Path
@@ -16,7 +15,6 @@ from frictionjoint.files import toml_text
 from frictionjoint.model_files import compile_model, read_spec
 from frictionjoint.model_text import model_text, placed
 from frictionjoint.simulate.carrier import read_friction
-from frictionjoint.simulate.uninstall import uninstall
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
 OTHER = fj.FrictionParameters.symmetric(Fs=0.3, Fc=0.2, Vs=0.05, knots=((1e-3, 3.2),))
@@ -126,26 +124,6 @@ def test_an_installed_model_finds_its_files_from_wherever_it_lies(out, home):
         mujoco.mj_step(model, mujoco.MjData(model), nstep=100)
 
 
-def test_a_folder_that_is_moved_as_a_whole_keeps_its_model(home, tmp_path_factory):
-    assert install(home, "--joint", "a=f.toml", "--out", "with.xml").returncode == 0
-    moved = tmp_path_factory.mktemp("moved") / "all"
-    os.rename(home, moved)
-    fj.load_model(moved / "with.xml")
-    os.rename(moved, home)
-
-
-def test_a_mesh_that_two_models_name_alike_is_no_mix_up(home):
-    """The gripper's link.stl is not the arm's: MuJoCo's text would take one for the other."""
-    stl(home / "robot" / "gripper" / "assets" / "link.stl", 0.7)
-    text = GRIPPER.format(meshes="assets").replace("finger", "link")
-    (home / "robot" / "gripper" / "gripper.xml").write_text(text)
-    done = install(home, "--joint", "a=f.toml", "--out", "with.xml")
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert "have the same name" in done.stderr
-    assert not (home / "with.xml").exists()
-
-
 def test_what_would_not_load_where_it_is_to_lie_leaves_nothing(home):
     spec = read_spec(home / "robot" / "arm" / "arm.xml")
     text = model_text(spec, home / "robot" / "arm" / "arm.xml")
@@ -177,59 +155,6 @@ def test_native_friction_is_named_by_install_attach_and_check(home):
     assert "friction counts twice" in told
 
 
-def test_clear_native_takes_native_friction_off_the_joints_that_get_friction(home, recwarn):
-    done = install(home, "--joint", "a=f.toml", "--clear-native", "--out", "with.xml")
-    assert (done.returncode, done.stderr) == (0, "")
-    model = fj.load_model(home / "with.xml")
-    a, b = (model.joint(n).dofadr[0] for n in "ab")
-    assert model.dof_damping[a] == 0.0
-    assert model.dof_frictionloss[b] == 0.2
-    fj.attach(model).detach()
-    assert not recwarn.list
-
-
-DEFAULTS = """
-<mujoco><default><joint damping="{damping}" frictionloss="0.3"/></default>
-<worldbody><body><joint name="a"/><geom size=".1"/></body></worldbody></mujoco>
-"""
-
-
-def test_a_polynomial_of_damping_is_named_and_cleared(tmp_path):
-    try:
-        spec = mujoco.MjSpec.from_string(DEFAULTS.format(damping="0 0.5"))
-    except ValueError:
-        pytest.skip("MuJoCo before 3.7 has no polynomial of damping")
-    with pytest.warns(RuntimeWarning, match=r"'a' has frictionloss 0\.3 and damping 0 0\.5"):
-        fj.install(spec, {"a": FRICTION})
-    spec = mujoco.MjSpec.from_string(DEFAULTS.format(damping="0 0.5"))
-    fj.install(spec, {"a": FRICTION}, clear_native=True)
-    model = mujoco.MjModel.from_xml_string(model_text(spec, "<mujoco/>"))
-    assert not model.dof_damping.any()
-    assert not model.dof_dampingpoly.any()
-    assert not model.dof_frictionloss.any()
-
-
-def test_all_gives_joints_named_by_joint_their_own(home):
-    done = install(home, "--all", "f.toml", "--joint", "b=other.toml", "--out", "with.xml")
-    assert done.returncode == 0, done.stderr
-    carried = read_friction(fj.load_model(home / "with.xml"))
-    assert [carried[n].parameters for n in ("a", "b", "g_c")] == [FRICTION, OTHER, FRICTION]
-
-
-def test_all_refuses_joints_without_names(tmp_path):
-    (tmp_path / "f.toml").write_text(toml_text(FRICTION))
-    text = (
-        "<mujoco><worldbody><body name='link'><joint/><geom size='1'/></body></worldbody></mujoco>"
-    )
-    (tmp_path / "arm.xml").write_text(text)
-    done = run("install", "arm.xml", "--all", "f.toml", "--out", "with.xml", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "no other hinge or slide joint with a name" in done.stderr
-    done = run("install", "arm.xml", "--out", "with.xml", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "--joint NAME=TOML, or --all TOML" in done.stderr
-
-
 def test_uninstall_gives_back_the_model_without_friction(home):
     assert install(home, "--all", "f.toml", "--out", "with.xml").returncode == 0
     done = run("uninstall", "with.xml", "--out", "robot/without.xml", cwd=home)
@@ -241,18 +166,6 @@ def test_uninstall_gives_back_the_model_without_friction(home):
     assert done.returncode == 2
     assert "has no friction" in done.stderr
     assert not (home / "x.xml").exists()
-
-
-def test_uninstall_leaves_other_numerics_and_user_data_alone():
-    spec = mujoco.MjSpec.from_string(DEFAULTS.format(damping="0"))
-    spec.nuserdata = 4
-    spec.add_numeric(name="mine", data=[1.0, 2.0], size=2)
-    fj.install(spec, {"a": FRICTION}, clear_native=True)
-    assert uninstall(spec) == ["a"]
-    model = spec.compile()
-    assert (model.nuserdata, list(model.numeric("mine").data)) == (4, [1.0, 2.0])
-    fj.install(spec, {"a": FRICTION})
-    fj.attach(spec.compile()).detach()
 
 
 URDF = """<?xml version="1.0"?>
@@ -316,14 +229,6 @@ def test_a_urdf_gets_friction_and_keeps_its_meshes(where, package, tmp_path):
     assert list(read_friction(model)) == ["elbow"]
 
 
-def test_a_package_is_known_by_its_manifest_before_any_folder_is(package, tmp_path):
-    (package / "package.xml").write_text("<package><name>other_name</name></package>")
-    stl(package / "urdf" / "meshes" / "collision" / "link.stl", 0.5)
-    name = "package://other_name/meshes/collision/link.stl"
-    (package / "urdf" / "arm.urdf").write_text(URDF.format(more="", visual=name, collision=name))
-    assert size(compile_model(package / "urdf" / "arm.urdf")) == pytest.approx(0.1, rel=1e-5)
-
-
 def test_shapes_whose_meshes_are_nowhere_are_left_out_and_said(package, recwarn):
     """Masses are the URDF's own, and a robot's dynamics needs no shape."""
     visual, collision = "package://x/gone.dae", "package://x/meshes/collision/gone.stl"
@@ -356,27 +261,6 @@ def test_a_mesh_that_a_link_has_its_mass_of_is_needed(package):
         read_spec(package / "urdf" / "arm.urdf")
 
 
-def test_a_base_needs_neither_mass_nor_mesh(package):
-    """No joint moves it, nor what is fixed to it."""
-    text = URDF.format(more="", visual="x.dae", collision="package://x/gone.stl")
-    shape = '<collision><geometry><mesh filename="package://x/plate.stl"/></geometry></collision>'
-    head, _, rest = text.partition('<link name="base"><inertial>')
-    text = f"""{head}<link name="world"/>
-      <joint name="floor" type="fixed"><parent link="world"/><child link="base"/></joint>
-      <link name="base">{shape}{rest.partition("</inertial>")[2]}"""
-    (package / "urdf" / "arm.urdf").write_text(text)
-    with pytest.warns(RuntimeWarning, match=r"plate\.stl, .*gone\.stl; these shapes are left out"):
-        model = compile_model(package / "urdf" / "arm.urdf")
-    assert (model.nv, float(model.body("link").mass[0])) == (1, 1.0)
-
-
-def test_a_folder_of_meshes_that_the_urdf_names_is_looked_at(package):
-    more = '<mujoco><compiler meshdir="../meshes/visual" discardvisual="false"/></mujoco>'
-    text = URDF.format(more=more, visual="package://x/link.stl", collision="anything/link.stl")
-    (package / "urdf" / "arm.urdf").write_text(text)
-    assert size(compile_model(package / "urdf" / "arm.urdf")) == pytest.approx(0.2, rel=1e-5)
-
-
 HALVES = """<inertial><mass value="1"/>
   <inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/></inertial>"""
 UNBALANCED = {
@@ -402,11 +286,3 @@ def test_an_inertia_that_no_body_has_is_refused_with_its_mend(name, mend, tmp_pa
     assert f"write {mend} inside <" in str(refused.value)
     path.write_text(UNBALANCED[name].format(mend))
     assert compile_model(path).nv == 1
-
-
-def test_a_process_does_not_say_again_what_its_parent_has_warned_of(package, monkeypatch, recwarn):
-    gone = "package://x/gone.stl"
-    (package / "urdf" / "arm.urdf").write_text(URDF.format(more="", visual=gone, collision=gone))
-    monkeypatch.setattr("multiprocessing.parent_process", lambda: "the first one")
-    compile_model(package / "urdf" / "arm.urdf")
-    assert not recwarn.list

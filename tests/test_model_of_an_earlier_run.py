@@ -7,7 +7,6 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.identify.bodies import Bodies
-from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.simulate.motor import Motor, add_motor
@@ -66,15 +65,3 @@ def test_it_takes_friction_and_a_motor_again_and_other_joints_keep_theirs():
     assert model.actuator_gainprm[:, 0] == pytest.approx([0.3])
     with fj.attach(model):
         mujoco.mj_step(model, mujoco.MjData(model))
-
-
-def test_room_in_userdata_is_given_back():
-    model, joints = before_friction(earlier(), ["a", "b"])
-    assert joints == ("a", "b")
-    assert mujoco.MjModel.from_xml_string(str(model)).nuserdata == 3
-
-
-def test_a_model_without_friction_stays_the_file_it_is(tmp_path):
-    path = tmp_path / "arm.xml"
-    path.write_text(ARM)
-    assert before_friction(path, ["a", "b"]) == (path, ())

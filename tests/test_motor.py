@@ -7,20 +7,17 @@ import numpy as np
 import pytest
 from servo_loop import Servo, run_servo
 
-from frictionjoint import FrictionParameters, attach
+from frictionjoint import FrictionParameters
 from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.effects import back_emf, load_dependent
-from frictionjoint.errors import LogError, ModelError
-from frictionjoint.identify.gate import load_shows, scale_is_determined
+from frictionjoint.errors import LogError
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.start import predict
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.weights import errors_of, reweighed, weighted
-from frictionjoint.joint_friction import SimulatedEffect
+from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import friction_spec
 from frictionjoint.simulate.carrier import install
@@ -83,47 +80,6 @@ def test_only_a_closed_circuit_brakes(enabled, emf):
     np.testing.assert_allclose(found, swing(emf), atol=0.01)
 
 
-def test_the_servo_holds_its_target_against_gravity():
-    """At rest the motor's torque is gravity's, to within the friction level."""
-    servo = Servo(gain=2.0, supply=7.0)
-    end = run_servo(model(), "arm", log(np.full(N, 0.8)), servo)[-1]
-    torque = MOTOR.gain * servo.voltage(0.8, end)
-    assert abs(torque - MASS * GRAVITY * LENGTH * np.sin(end)) < 0.02
-    assert 0.3 < end < 0.8
-
-
-def test_duty_is_full_beyond_its_range():
-    servo = Servo(gain=10.0, supply=7.0)
-    assert servo.voltage(1.0, 0.0) == 7.0
-    assert servo.voltage(-1.0, 0.0) == -7.0
-    assert servo.voltage(0.05, 0.0) == pytest.approx(3.5)
-
-
-def test_the_model_is_left_as_it_was():
-    m = model()
-    m.opt.disableactuator = 5
-    run_servo(m, "arm", log(np.zeros(50)), Servo(1.0, 7.0))
-    assert (m.opt.disableactuator, m.opt.timestep) == (5, 0.001)
-
-
-def test_other_actuators_keep_their_groups():
-    spec = mujoco.MjSpec.from_string(XML)
-    spec.add_actuator(name="own", target="arm", trntype=mujoco.mjtTrn.mjTRN_JOINT, group=30)
-    add_motor(spec, "arm", MOTOR)
-    m = spec.compile()
-    assert m.actuator("arm_voltage").group[0] not in (0, 30)
-
-
-def test_what_is_missing_is_said():
-    with pytest.raises(ModelError, match="no voltage motor"):
-        run_servo(model(motor=None), "arm", log(np.zeros(50)), Servo(1.0, 7.0))
-    untargeted = JointLog(
-        name="plain", joint="arm", time=np.arange(3.0), position=np.zeros(3), voltage=np.zeros(3)
-    )
-    with pytest.raises(LogError, match="no target"):
-        run_servo(model(), "arm", untargeted, Servo(1.0, 7.0))
-
-
 # identification
 
 
@@ -181,20 +137,6 @@ def test_letting_go_tells_viscous_friction_from_back_emf(driven_and_let_go):
     assert found.coefficient("sigma2") == pytest.approx(VISCOUS, rel=0.02)
 
 
-@pytest.mark.parametrize("let_go", ["fitted", "held out"])
-def test_logs_let_go_and_logs_that_are_not_may_be_held_out_of_each_other(driven_and_let_go, let_go):
-    """Whether viscous friction is told from back-EMF is settled by the logs that are fitted."""
-    t = 5e-3 * np.arange(800)
-    target = 1.2 * np.sin(2.0 * t) + 0.4 * np.sin(7.0 * t)
-    held = plant(target, np.ones(len(t), dtype=bool), load=0.2)
-    pair = (driven_and_let_go, held) if let_go == "fitted" else (held, driven_and_let_go)
-    found = fitted(pair[0], back_emf.EFFECT, load_dependent.EFFECT)
-    fitted_on, kept = (prepare([one], RigidBody(XML, "arm")) for one in pair)
-    prediction = predict(weighted(kept, found, errors_of(fitted_on, found)), found)
-    error = prediction.error[prediction.in_motion]
-    assert error.std() < 0.1 * np.std(prediction.measured[0])
-
-
 def test_a_current_is_a_torque_up_to_a_gain():
     """Nothing brakes a motor driven by its current: what grows with speed is viscous friction."""
     t = 5e-3 * np.arange(1600)
@@ -215,13 +157,6 @@ def test_a_current_is_a_torque_up_to_a_gain():
     assert not actuator.biasprm.any()
 
 
-def test_a_current_of_the_wrong_sign_shows_no_scale(driven_and_let_go):
-    turned = replace(driven_and_let_go, voltage=None, current=-driven_and_let_go.voltage)
-    found = fitted(turned)
-    assert not load_shows(found)
-    assert not scale_is_determined(prepare([turned], RigidBody(XML, "arm")), found)
-
-
 def test_logs_of_a_voltage_and_of_a_current_do_not_go_together(driven_and_let_go):
     other = replace(driven_and_let_go, name="amps", voltage=None, current=driven_and_let_go.voltage)
     with pytest.raises(LogError, match="plant has a voltage and amps a current: give logs of one"):
@@ -232,29 +167,3 @@ def test_load_is_what_the_gear_transmits(driven_and_let_go):
     """The rotor's own torque is no load: in free swing that is most of the rigid body's."""
     found = fitted(driven_and_let_go, back_emf.EFFECT, load_dependent.EFFECT)
     assert found.term_coefficients(1)[0] == pytest.approx(0.2, rel=0.02)
-
-
-def test_simulated_load_is_what_the_gear_transmits():
-    """A joint spun up by its armature alone carries no load, so no friction comes of it."""
-    effect = SimulatedEffect(load_dependent.EFFECT, (1e-4,), (0.5,))
-    spec = mujoco.MjSpec.from_string(XML.replace(f'gravity="0 0 -{GRAVITY}"', 'gravity="0 0 0"'))
-    install(spec, {"arm": LAW}, {"arm": [effect]})
-    m = spec.compile()
-    m.dof_armature[:] = 0.2
-    assert final_speed(m) == pytest.approx(final_speed(model_without_gravity()), rel=0.02)
-
-
-def model_without_gravity():
-    spec = mujoco.MjSpec.from_string(XML.replace(f'gravity="0 0 -{GRAVITY}"', 'gravity="0 0 0"'))
-    install(spec, {"arm": LAW})
-    m = spec.compile()
-    m.dof_armature[:] = 0.2
-    return m
-
-
-def final_speed(m):
-    data = mujoco.MjData(m)
-    data.qfrc_applied[0] = 0.5
-    with attach(m):
-        mujoco.mj_step(m, data, nstep=300)
-    return data.qvel[0]

@@ -1,7 +1,5 @@
 """A motor whose torque per volt falls as its torque grows: found in logs, followed in MuJoCo."""
 
-import math
-
 import mujoco
 import numpy as np
 import pytest
@@ -99,12 +97,6 @@ def test_what_is_given_is_what_was_asked_for_less_what_saturates(asked, s):
     assert abs(T) <= abs(asked) * (1.0 + 1e-15)
 
 
-def test_torque_falls_off_smoothly_from_proportion():
-    assert given_torque(1e-9, S) == pytest.approx(1e-9, rel=1e-12)
-    assert given_torque(1.0, S) == pytest.approx(given_by_bisection(1.0), rel=1e-9)
-    assert given_torque(1.0, S) < 0.62
-
-
 @pytest.mark.parametrize("backend", ["native", "python"])
 def test_mujoco_moves_as_the_equation_of_motion(backend):
     volts = voltages(1500 if backend == "native" else 300, 1)
@@ -119,39 +111,6 @@ def test_mujoco_moves_as_the_equation_of_motion(backend):
                 mujoco.mj_step(model, data)
     expected = swing(volts)
     np.testing.assert_allclose(found, expected, atol=0.02 * np.ptp(expected))
-
-
-def final_speed(model, ctrl, disabled=0, flags=0):
-    data = mujoco.MjData(model)
-    model.opt.disableactuator = disabled
-    model.opt.disableflags |= flags
-    data.qvel[0], data.ctrl[0] = 3.0, ctrl
-    with attach(model):
-        mujoco.mj_step(model, data, nstep=40)
-    return data.qvel[0]
-
-
-@pytest.mark.parametrize("way", ["group", "flag"])
-def test_a_motor_that_is_off_saturates_nothing(way):
-    off = int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
-    how = {"disabled": (1 << 31) - 1} if way == "group" else {"flags": off}
-    assert final_speed(saturating([EFFECT]), 7.0, **how) == final_speed(saturating(), 7.0, **how)
-    assert final_speed(saturating([EFFECT]), 7.0) < final_speed(saturating(), 7.0) - 0.1
-
-
-def test_a_control_beyond_its_range_asks_for_no_more():
-    limited = saturating([EFFECT], ctrlrange=[-2.0, 2.0], ctrllimited=True)
-    assert final_speed(limited, 7.0) == final_speed(saturating([EFFECT]), 2.0)
-
-
-def test_a_motor_through_a_gear_is_asked_for_its_torque_at_the_joint():
-    geared = saturating([EFFECT], gain=GAIN / 4.0, emf=EMF / 16.0, gear=[4.0, 0, 0, 0, 0, 0])
-    assert final_speed(geared, 7.0) == pytest.approx(final_speed(saturating([EFFECT]), 7.0))
-
-
-def test_a_force_range_without_end_limits_nothing():
-    endless = saturating([EFFECT], forcerange=[-math.inf, math.inf], forcelimited=True)
-    assert final_speed(endless, 7.0) == final_speed(saturating([EFFECT]), 7.0)
 
 
 def test_a_motor_that_cannot_be_followed_is_refused():

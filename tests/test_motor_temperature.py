@@ -66,13 +66,6 @@ def test_a_run_at_the_temperature_of_its_log_is_mujocos():
     assert np.abs(hot - simulate(model, run_at(None))).max() > 0.01
 
 
-def test_what_is_asked_for_is_over_one_and_the_change():
-    """To the motor's brake, of which the effect's part is no part of the implicit step."""
-    hot = simulate(JointModel.of(LAW, [EFFECT], GAIN, EMF), run_at(T0 + 25.0))
-    weaker = JointModel.of(LAW, [], GAIN / 1.5, EMF / 1.5)
-    np.testing.assert_allclose(hot, simulate(weaker, run_at(None)), atol=1e-3)
-
-
 def test_a_temperature_that_changes_is_followed_and_an_unknown_one_rests():
     model = JointModel.of(LAW, [EFFECT], GAIN, EMF)
     cold, hot = (simulate(model, run_at(T0 + d)) for d in (0.0, 25.0))

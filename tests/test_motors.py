@@ -181,37 +181,6 @@ def test_every_motor_says_where_it_is_from_and_goes_into_a_model(tmp_path, motor
     assert np.isfinite(data.qpos).all()
 
 
-@pytest.mark.parametrize("motor", list_motors(), ids=lambda motor: motor.name)
-def test_what_is_left_before_and_after_is_stated_and_a_worse_end_is_said(motor):
-    assert {"torque_held_out", "torque_held_out_before"} <= set(motor.fit)
-    for key, after in motor.fit.items():
-        if motor.fit.get(f"{key}_before", np.inf) < after:
-            assert key in motor.remark.partition("Worse than the law alone:")[2]
-    effects = {x.effect.name for x in motor.friction.effects}
-    for effect in set(motor.found) - effects - {"motor"}:
-        assert effect in motor.remark
-
-
-def test_the_library_holds_what_users_ask_for():
-    names = {motor.name for motor in list_motors()}
-    joints = {"ur10_j": 6, "panda_joint": 7, "tx40_joint": 6, "kr300_axis": 6}
-    wanted = {f"{stem}{i}" for stem, n in joints.items() for i in range(1, n + 1)}
-    wanted |= {"xl330", "sts3215", "sts3250", "emps", "odrive_bldc", "ri50", "ak80_6"}
-    wanted |= {
-        "dm4310",
-        "dm4340",
-        "dm8009",
-        "go2_calf",
-        "kinova_gen3_small",
-        "fr3_large",
-        "fr3_small",
-        "so101",
-    }
-    wanted |= {f"ur10e_size{i}" for i in (2, 3, 4)}
-    assert names == wanted
-    assert len(names) >= 40
-
-
 def test_units_of_one_actuator_are_listed_with_their_spread():
     several = [motor for motor in list_motors() if motor.units]
     assert {"ur10e_size2", "fr3_small", "dm4310"} <= {motor.name for motor in several}
@@ -223,19 +192,6 @@ def test_units_of_one_actuator_are_listed_with_their_spread():
     text = call("show", several[0].name).stdout
     assert all(unit in text for unit in several[0].units)
     assert "mean ± deviation" in text
-
-
-def test_the_list_names_them():
-    listed = json.loads(call("list", "--json").output)
-    assert [row["name"] for row in listed] == [motor.name for motor in list_motors()]
-    assert "ur10_j1" in call().output
-
-
-def test_a_motor_that_is_not_there_is_said():
-    with pytest.raises(
-        ParameterError, match="no motor 'x': `frictionjoint motors list` names them"
-    ):
-        get_motor("x")
 
 
 def test_a_list_of_one_robot_and_a_motor_with_its_curve():

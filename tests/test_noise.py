@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.verdict import noise_floor
-from frictionjoint.identify.noise import count_of, density_above, noise_of
+from frictionjoint.identify.noise import count_of, density_above
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Band
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.lowpass import LowPass, gentle
 
 INERTIA, RATE, N = 0.05, 500.0, 20_000
 DT = 1.0 / RATE
@@ -55,19 +54,6 @@ def test_the_density_of_white_noise_is_read_above_the_motion(noise):
     assert found == pytest.approx(2.0 * noise**2 * DT, rel=0.05)
 
 
-@pytest.mark.parametrize("samples", [300, 1000, 2000, 6000])
-def test_the_density_of_a_short_log_is_right_on_average(samples):
-    rng = np.random.default_rng(samples)
-    found = [density_above(rng.standard_normal(samples), DT) for _ in range(100)]
-    assert np.mean(found) == pytest.approx(2.0 * DT, rel=0.06)
-
-
-def test_a_line_above_the_motion_is_passed_over():
-    hum = 0.1 * np.sin(2.0 * np.pi * 150.0 * T)
-    found = density_above(log().torque + hum, DT)
-    assert found == pytest.approx(2.0 * 0.02**2 * DT, rel=0.1)
-
-
 @pytest.mark.parametrize("counts", [4096, 65536])
 def test_the_count_of_an_encoder_is_the_least_step(counts):
     assert count_of(log(counts).position) == pytest.approx(2.0 * np.pi / counts, rel=1e-6)
@@ -87,33 +73,6 @@ def test_the_floor_of_an_encoder_alone(balance):
     """Without any noise of the torque only the beats of the counts are left."""
     logs, left = left_of(log(4096, 0.0), Band(balance, 100.0))
     assert noise_floor(logs, 1.0) == pytest.approx(left, rel=0.2)
-
-
-def test_a_coarser_encoder_narrows_the_band_and_a_noisier_torque_widens_it():
-    def band(counts, noise):
-        (segment,) = left_of(log(counts, noise), Band(20.0, 100.0))[0].segments
-        return segment.noise.band_hz(0.5, 60.0)
-
-    assert band(1024, 0.02) < 0.7 * band(65536, 0.02)
-    assert band(1024, 0.2) > band(1024, 2e-3)
-    assert 0.5 <= band(256, 1e-4) < band(2**20, 1e-4) <= 60.0
-
-
-def test_in_its_band_the_position_adds_little_to_what_the_torque_leaves():
-    """A twentieth of the power."""
-    for counts in (4096, 16384):
-        (segment,) = left_of(log(counts, 0.02), Band(20.0, 100.0))[0].segments
-        corner = segment.noise.band_hz(1.0, 60.0)
-        torque, position = segment.noise.left(corner)
-        assert 1.0 < corner < 60.0
-        assert 0.03 * torque < position <= 0.05 * torque
-
-
-def test_what_is_left_of_a_density_is_its_part_that_passes():
-    rng = np.random.default_rng(1)
-    white = rng.standard_normal(N)
-    found = noise_of(white, motion(), motion(), DT, 0.0, 0.0).left(30.0)[0]
-    assert found == pytest.approx(np.var(LowPass(N, DT, 30.0, gentle)(white)), rel=0.1)
 
 
 def test_the_inertia_behind_the_noise_is_taken_apart_from_gravity():

@@ -101,22 +101,6 @@ def standing(target, law=LAW):
     return run, simulate(JointModel.of(law, [], 0.1), run)
 
 
-def test_friction_holds_a_joint_that_stands_at_first():
-    run, _ = standing(0.4)
-    load = run.load.numbers[:, 0]
-    torque = load[1] * np.cos(0.4) + load[2] * np.sin(0.4) + load[3]
-    Fs = 2.0 * torque
-    strong = FrictionParameters.symmetric(
-        Fs=Fs, Fc=0.9 * Fs, Vs=0.2, knots=((0.002, Fs), (0.01, 2.0 * Fs))
-    )
-    _, found = standing(0.4, strong)
-    # a joint never moved would sink by half a milliradian until its friction holds the load
-    assert np.abs(found - 0.4).max() < 1e-9
-    # nor does it depend on which of the two there is more of
-    _, found = standing(0.4 + 20.0 * torque, strong)
-    assert np.abs(found - 0.4).max() < 1e-9
-
-
 @pytest.mark.parametrize(
     "effects",
     [
@@ -136,45 +120,3 @@ def test_friction_holds_a_joint_beside_its_effects(effects, lag):
     found = simulate(model, replace(run, target=np.full(N, 0.6)))
     for positions in (alone, found):
         assert np.abs(positions - 0.4).max() < 1e-6
-
-
-def test_a_joint_that_nothing_holds_starts_to_move():
-    _, found = standing(0.4)
-    assert found[-1] < 0.3
-
-
-def test_windows_start_from_the_measured_motion():
-    target = 0.8 * np.sin(6.0 * STEP * np.arange(N))
-    run = Run(
-        step=STEP,
-        target=target,
-        supply=np.ones(N),
-        on=np.ones(N, dtype=bool),
-        start=(0.0, 0.0),
-        load=load_of(RigidBody(MODEL, JOINT)),
-        block=block(KP=12.0, LIMIT=7.0),
-    )
-    model = JointModel.of(LAW, [], 0.1, 0.05)
-    whole = simulate(model, run)
-    velocity = np.append(np.diff(whole), 0.0) / STEP
-    velocity = np.concatenate([[0.0], velocity[:-1]])  # that of the step's beginning
-    again = simulate(model, run, (whole, velocity), 500)
-    np.testing.assert_allclose(again, whole, atol=2e-5)
-    away = simulate(model, run, (whole + 0.1, velocity), 500)
-    assert away[500] == pytest.approx(whole[500] + 0.1, abs=1e-12)
-
-
-def test_a_lag_delays_the_torque():
-    n = 400
-    run = Run(
-        step=STEP,
-        target=np.full(n, 0.5),
-        supply=np.ones(n),
-        on=np.ones(n, dtype=bool),
-        start=(0.0, 0.0),
-        load=load_of(RigidBody(MODEL, JOINT)),
-        block=block(KP=12.0),
-    )
-    found = simulate(JointModel.of(LAW, [], 0.1, lag=0.05), run)
-    assert np.abs(found[:51]).max() < 1e-12
-    assert found[100] > 1e-3

@@ -69,12 +69,6 @@ anything: st.SearchStrategy[Any] = st.recursive(
 )
 
 
-@settings(max_examples=EXAMPLES, deadline=None)
-@given(content=st.binary(max_size=120) | st.text(max_size=80).map(lambda s: s.encode()))
-def test_any_bytes(file: Path, content: bytes) -> None:
-    never_anything_else(file, content)
-
-
 LINES = toml_text(GOOD, EFFECTS).splitlines()
 AT = [i for i, line in enumerate(LINES) if "=" in line]
 
@@ -96,17 +90,6 @@ def test_a_good_file_with_one_bad_value_anywhere(file: Path, at: int, value: Any
     name = LINES[at].partition("=")[0]
     lines = [*LINES[:at], f"{name}= {literal(value)}", *LINES[at + 1 :]]
     never_anything_else(file, "\n".join(lines).encode("utf-8", "surrogatepass"))
-
-
-@settings(max_examples=EXAMPLES, deadline=None)
-@given(gone=st.sets(st.sampled_from(AT), max_size=5), name=st.text(max_size=5), value=anything)
-def test_a_good_file_with_keys_missing_or_too_many(
-    file: Path, gone: set[int], name: str, value: Any
-) -> None:
-    lines = [line for i, line in enumerate(LINES) if i not in gone]
-    for at in (1, len(lines)):
-        more = [*lines[:at], f"{json.dumps(name)} = {literal(value)}", *lines[at:]]
-        never_anything_else(file, "\n".join(more).encode("utf-8", "surrogatepass"))
 
 
 TEXT = toml_text(GOOD, EFFECTS).encode()

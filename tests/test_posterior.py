@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 import frictionjoint
 from frictionjoint.cli import app
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
@@ -80,18 +79,6 @@ def test_every_set_drawn_is_valid_and_can_be_installed(posterior):
         mujoco.mj_step(model, mujoco.MjData(model))
 
 
-def test_equal_seeds_give_equal_sets_also_through_json(posterior):
-    again = Posterior.from_dict(json.loads(json.dumps(posterior.to_dict())))
-    assert again.sample(3, seed=5) == posterior.sample(3, seed=5)
-    assert again.sample(3, seed=5) != posterior.sample(3, seed=6)
-
-
-@pytest.mark.parametrize("broken", [{}, {"parameters": {}}, {"parameters": 3, "factor": [[1.0]]}])
-def test_a_broken_posterior_is_one_line(broken):
-    with pytest.raises(ParameterError, match="cannot be read"):
-        Posterior.from_dict(broken)
-
-
 def test_the_command_writes_tables_that_make_friction(tmp_path, posterior):
     report, out = tmp_path / "report.json", tmp_path / "samples.json"
     report.write_text(json.dumps({"posterior": posterior.to_dict()}))
@@ -131,17 +118,3 @@ def test_a_robot_report_asks_for_the_joint_and_one_of_several_robots_for_the_rob
     assert drawn_of(robot, "--joint", "hip").exit_code == 0
     tables = json.loads(out.read_text())
     assert [joint_friction(t) for t in tables] == list(posterior.sample(3))
-
-
-def test_a_set_that_no_joint_can_have_is_drawn_anew(posterior, monkeypatch):
-    # the exponent ends at 10
-    content = {**posterior.content, "delta_pos": 8.0, "delta_neg": 8.0}
-    factor = np.zeros((len(posterior.factor), 1))
-    factor[6:8] = 8.0
-    wide = Posterior(content, factor)
-    drawn = [x.parameters.delta_pos for x in wide.sample(50)]
-    assert max(drawn) <= 10.0
-    assert min(drawn) < 4.0
-    monkeypatch.setattr("frictionjoint.refine.posterior._TRIES", 1)
-    with pytest.raises(ParameterError, match="are possible: the logs determine too little"):
-        wide.sample(50)

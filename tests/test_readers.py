@@ -60,22 +60,6 @@ def test_foreign_names_by_mapping(tmp_path: Path, kind: str) -> None:
         read_log(path)
 
 
-@pytest.mark.parametrize("kind", ["parquet", "npz", "mat"])
-def test_what_is_no_column_of_numbers_is_refused(tmp_path: Path, kind: str) -> None:
-    bad = [np.array([str(x) for x in TABLE["q"]])]
-    if kind != "parquet":
-        bad += [TABLE["q"] + 1j, np.column_stack([TABLE["q"]] * 2), TABLE["q"][:-1]]
-    for x in bad:
-        path = tmp_path / f"log.{kind}"
-        if kind == "parquet":
-            pd.DataFrame(TABLE).assign(q=x).to_parquet(path)
-        else:
-            save: Callable[..., None] = np.savez if kind == "npz" else _mat
-            save(path, **(TABLE | {"q": x}))
-        with pytest.raises(LogError, match="log"):
-            read_log(path, columns=MAPPING)
-
-
 @pytest.mark.parametrize("kind", ["npz", "mat"])
 @pytest.mark.parametrize("across", [False, True], ids=["a row a sample", "a column a sample"])
 def test_a_matrix_has_columns_by_number(tmp_path: Path, kind: str, across: bool) -> None:
@@ -101,21 +85,6 @@ def test_a_matrix_has_columns_by_number(tmp_path: Path, kind: str, across: bool)
             read_log(path, "elbow", MAPPING | {"torque_nm": "tau[0]", "position_rad": wrong})
 
 
-def test_an_array_may_be_named_like_a_part(tmp_path: Path) -> None:
-    path = tmp_path / "log.npz"
-    np.savez(path, **{"t": T, "q[0]": TABLE["q"], "tau": TABLE["tau"]})
-    log = read_log(path, "elbow", MAPPING | {"position_rad": "q[0]"})
-    np.testing.assert_array_equal(log.position, TABLE["q"])
-
-
-@pytest.mark.parametrize("cell", ["1\r2", "x" * 200_000], ids=["a lone return", "a long cell"])
-def test_a_first_row_that_no_table_has_is_one_line(tmp_path: Path, cell: str) -> None:
-    path = tmp_path / "log.csv"
-    path.write_text(f"time_s,position_rad,torque_nm\n0,{cell},0\n", newline="")
-    with pytest.raises(LogError, match=r"log.csv, row 2"):
-        read_log(path)
-
-
 def _mat(path: Path, **columns: np.ndarray) -> None:
     savemat(path, columns)
 
@@ -134,23 +103,6 @@ def test_times_may_be_dates(tmp_path: Path, kind: str, zone: str | None) -> None
     log = read_log(path, "elbow", MAPPING)
     np.testing.assert_allclose(log.time, T, atol=1e-9)
     np.testing.assert_array_equal(log.position, TABLE["q"])
-
-
-def test_of_dates_one_that_is_none_is_told_by_its_row(tmp_path: Path) -> None:
-    path = tmp_path / "log.csv"
-    save_dates(path, None)
-    lines = path.read_text().splitlines()
-    path.write_text("\n".join([*lines[:9], "noon" + lines[9][lines[9].index(",") :], *lines[10:]]))
-    with pytest.raises(LogError, match=r"row 10, t: 'noon' is not a date with a time"):
-        read_log(path, "elbow", MAPPING)
-
-
-@pytest.mark.parametrize("kind", ["csv", "parquet"])
-def test_nothing_but_the_time_is_a_date(tmp_path: Path, kind: str) -> None:
-    path = tmp_path / f"log.{kind}"
-    save_dates(path, None, q=pd.Timestamp("2026-01-05 12:00"))
-    with pytest.raises(LogError, match=r"log.*q.*number"):
-        read_log(path, "elbow", MAPPING)
 
 
 @pytest.mark.parametrize("kind", SAVERS)
@@ -330,16 +282,6 @@ def test_a_log_of_pace(tmp_path: Path) -> None:
             read_log(path, joint, columns)
 
 
-def test_gains_beside_a_log_of_pace_are_its_figures(tmp_path: Path) -> None:
-    """Logs of IIT's DLS lab hold them as arrays of numpy, a number a joint."""
-    gains = {"kp": Plain(np.array([80.0, 120.0])), "kd": Plain(np.array([[2.5, 1.5]]).T[:, 0])}
-    velocity = np.gradient(PACE["dof_pos"], T, axis=0).astype(np.float32)
-    path = torch_file(tmp_path / "walk.pt", PACE | {"dof_vel": velocity} | gains)
-    log = read_log(path, "joint_2")
-    assert log.metadata == {"kp": 120.0, "kd": 1.5}
-    np.testing.assert_array_equal(log.velocity, velocity[:, 1].astype(float))
-
-
 class Harm:
     def __reduce__(self) -> tuple[object, tuple[str]]:
         return print, ("harm",)
@@ -440,18 +382,6 @@ def test_a_lerobot_data_set(tmp_path: Path, version: int) -> None:
     file.write_bytes(file.read_bytes()[:400])
     with pytest.raises(LogError, match=file.name):
         read_log(folder, "elbow", known)
-
-
-def test_names_of_a_lerobot_data_set(tmp_path: Path) -> None:
-    known = {"unit": "rad", "episode": "0"}
-    nested = lerobot_set(tmp_path / "nested", 2, {"motors": ["elbow", "wrist"]})
-    assert read_log(nested, "elbow", known).joint == "elbow"
-    nameless = lerobot_set(tmp_path / "nameless", 2, {"axes": ["elbow"]})
-    with pytest.raises(LogError, match="2 numbers and no name for each"):
-        read_log(nameless, "elbow", known)
-    (nameless / "meta/info.json").write_text("{")
-    with pytest.raises(LogError, match="cannot be read as JSON"):
-        read_log(nameless, "elbow", known)
 
 
 def test_an_odrive_recording(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured import read_log, split_at_gaps
+from frictionjoint.measured import read_log
 
 
 def servo_duty(path: Path, skew: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -56,18 +56,6 @@ def test_all_servo_logs_can_be_read(measured_data: Path) -> None:
         assert slope @ log.velocity / (log.velocity @ log.velocity) == pytest.approx(1.0, abs=0.15)
 
 
-def test_emps_voltage_follows_its_controller(measured_data: Path) -> None:
-    log = read_log(measured_data / "emps" / "DATA_EMPS.mat")
-    assert log.slide
-    assert log.target is not None
-    assert log.torque is not None
-    g = log.metadata
-    velocity = np.gradient(log.position, log.time)
-    voltage = np.clip(g["kv"] * (g["kp"] * (log.target - log.position) - velocity), -10, 10)
-    measured = log.torque / g["gtau"]
-    assert np.corrcoef(voltage, measured)[0, 1] > 0.9
-
-
 @pytest.mark.parametrize("i", range(1, 8))
 def test_panda(measured_data: Path, i: int) -> None:
     log = read_log(measured_data / "panda", f"joint{i}")
@@ -90,25 +78,6 @@ def test_the_bag_and_the_table_of_the_ur10_agree(measured_data: Path) -> None:
     np.testing.assert_allclose(bag.torque, table.torque, rtol=1e-8, atol=1e-8)
 
 
-def test_tx40_joints_sit_behind_their_gears(measured_data: Path) -> None:
-    log = read_log(measured_data / "staubli_tx40", "joint_4")
-    assert log.motor_position is not None
-    np.testing.assert_allclose(log.motor_position, -48.0 * log.position, atol=1e-12)
-    wrist = read_log(measured_data / "staubli_tx40", "Joint_6")
-    other = read_log(measured_data / "staubli_tx40", "joint_5")
-    assert wrist.torque is not None
-    assert other.torque is not None
-    # what motors 5 and 6 give in a small turn is what the joints take
-    motors = np.linalg.solve([[45.0, 32.0], [0.0, 32.0]], [other.torque, wrist.torque])
-    turns = 45.0 * 1e-3, 32.0 * (1e-3 + 2e-3)
-    work = turns[0] * motors[0] + turns[1] * motors[1]
-    np.testing.assert_allclose(other.torque * 1e-3 + wrist.torque * 2e-3, work, rtol=1e-9)
-    assert wrist.motor_position is not None
-    expected = wrist.motor_position / 32.0 - wrist.other_positions["joint_5"]
-    np.testing.assert_allclose(wrist.position, expected, atol=1e-9)
-    assert 1.0 / np.median(np.diff(log.time)) == pytest.approx(5000.0)
-
-
 def test_kuka_has_a_second_encoder_on_three_axes(measured_data: Path) -> None:
     path = measured_data / "kuka_kr300" / "A.csv"
     log = read_log(path, "axis1")
@@ -116,13 +85,3 @@ def test_kuka_has_a_second_encoder_on_three_axes(measured_data: Path) -> None:
     assert 0.0 < np.abs(log.motor_position - log.position).max() < 0.05
     with pytest.raises(LogError, match=r"axis5\.position_rad: constant at 0"):
         read_log(path, "axis5")
-
-
-def test_odrive_array_and_table_agree(measured_data: Path) -> None:
-    folder = measured_data / "odrive_cogging"
-    array, table = (read_log(folder / f"slow2__nocomp_1.{kind}") for kind in ("npy", "csv"))
-    np.testing.assert_allclose(array.position, table.position, rtol=1e-6)
-    np.testing.assert_allclose(array.current, table.current, rtol=1e-6)
-    parts = split_at_gaps(read_log(folder / "pull_tests__uncomp_slow_0.npy"))
-    assert [len(part.time) > 50 for part in parts] == [True] * 4
-    assert "6 samples in stretches under 50 are left out" in parts[0].notes[-1]

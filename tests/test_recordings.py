@@ -11,15 +11,12 @@ import mujoco
 import numpy as np
 import pytest
 from command_line import run
-from scipy.stats import t
 
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.reconstruct import with_known_drive
 from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.errors import LogError
 from frictionjoint.files import toml_document
 from frictionjoint.measured import JointLog
-from frictionjoint.measured.derivatives import position_noise
 from frictionjoint.recordings.between import between
 from frictionjoint.recordings.drift import drift, known_of
 from frictionjoint.recordings.estimate import Known, estimate
@@ -92,18 +89,6 @@ def test_a_recording_says_what_changed() -> None:
     assert value(after, "Fc")[0] == pytest.approx(0.36, rel=0.03)
     assert value(after, "sigma2")[0] == pytest.approx(0.10, rel=0.08)
     assert 0.0 < value(after, "Fc")[1] < 0.01
-
-
-def test_position_noise_does_not_bias_all_recordings_alike() -> None:
-    """Without a correction, this noise biases them by 1.5 standard errors, all in one direction."""
-    k = known()
-    found = [value(estimate(k, recording(300 + i)), "Fs - Fc") for i in range(6)]
-    off = [(own - (FS - FC)) / stderr for own, stderr in found]
-    # six deviates of unit variance have a mean below 1.2 in 997 of 1,000 cases
-    assert abs(np.mean(off)) < 1.2
-    # the noise is found in the positions
-    log = recording(300)
-    assert position_noise(log.position, STEP * EVERY, 80.0) == pytest.approx(2e-5, rel=0.1)
 
 
 def report(folder: Path) -> Path:
@@ -221,34 +206,6 @@ def test_recordings_that_are_not_compared_are_said() -> None:
     assert "no N m" in note
 
 
-def test_servo_recordings_are_compared_by_the_controller_that_was_found() -> None:
-    """Not by the one that was given, whose target comes 40 ms late."""
-    k, kp = known(), 40.0
-    controller = Controller(output="torque_nm", kp=kp, delay_s=0.04, source="test")
-    factor = np.diag(np.sqrt(np.diag(k.cov)))
-    stated = Stated(
-        "elbow", str(k.model), Posterior(dict(k.content), factor), controller=controller
-    )
-    logs = []
-    for i, Fc in enumerate((0.24, 0.30, 0.36)):
-        log = recording(60 + i, Fc=Fc)
-        target = log.position + log.torque / kp
-        early = np.interp(log.time + controller.delay_s, log.time, target)
-        logs.append(replace(log, torque=None, target=early))
-    rows = {row["number"]: row for row in with_recordings(stated, logs).recordings}
-    values = [x["value"] for x in rows["Fc"]["recordings"]]
-    np.testing.assert_allclose(values, (0.24, 0.30, 0.36), rtol=0.05)
-
-
-def test_a_target_alone_has_no_numbers() -> None:
-    log = recording(6)
-    bare = JointLog(
-        name="a", joint="elbow", time=log.time, position=log.position, target=log.position
-    )
-    with pytest.raises(LogError, match="no measured drive"):
-        estimate(known(), bare)
-
-
 @pytest.mark.parametrize("tau", [0.0, 0.05, 0.2])
 @pytest.mark.parametrize("dof", [6.0, 1e6])
 @pytest.mark.parametrize("apart", [0.0, 0.5])
@@ -271,64 +228,6 @@ def test_intervals_over_recordings_hold_what_they_say(tau: float, dof: float, ap
         alarms.append(found.p_value < 0.05)
     assert 0.90 < np.mean(inside) < 0.98
     assert np.mean(alarms) < 0.08 if tau == 0.0 else np.mean(alarms) > 0.08
-
-
-def test_a_change_is_not_seen_in_logs_that_have_not_changed() -> None:
-    """The error of a mean over new logs holds with as many degrees of freedom as it states."""
-    rng = np.random.default_rng(2)
-    for k in (2, 4):
-        beyond = []
-        for _ in range(2000):
-            independent = rng.uniform(0.03, 0.1, k) ** 2
-            y = np.sqrt(independent) * rng.standard_normal(k)
-            one, shared = moderated(
-                independent * rng.chisquare(6, k) / 6, independent, np.full(k, 6.0)
-            )
-            found = between(y, np.sqrt(one), shared)
-            beyond.append(abs(found.mean) > t.isf(0.025, found.dof) * found.stderr)
-        assert np.mean(beyond) < 0.06
-
-
-def test_a_difference_is_laid_to_what_explains_it_and_to_nothing_else() -> None:
-    rng = np.random.default_rng(1)
-    warm = np.linspace(20.0, 45.0, 8)
-    other = rng.standard_normal(8)
-    stderr = np.full(8, 0.01)
-    y = 1.0 - 0.01 * (warm - 30.0) + stderr * rng.standard_normal(8)
-    found = between(y, stderr, 100.0, {"load": other, "temperature_c": warm})
-    assert found.cause == "temperature_c"
-    assert found.slope == pytest.approx(-0.01, rel=0.1)
-    y = 1.0 + 0.1 * rng.standard_normal(8)
-    assert between(y, stderr, 100.0, {"load": other, "temperature_c": warm}).cause == ""
-
-
-def test_a_known_controller_stands_for_a_drive_that_was_not_logged() -> None:
-    log, kp = recording(7), 40.0
-    controller = Controller(output="torque_nm", kp=kp, source="test")
-    target = log.position + log.torque / kp
-    bare = JointLog(name="a", joint="elbow", time=log.time, position=log.position, target=target)
-    made = with_known_drive(bare, controller)
-    np.testing.assert_allclose(made.torque, log.torque, atol=1e-6)
-    found, measured = estimate(known(), made), estimate(known(), log)
-    np.testing.assert_allclose(found.value, measured.value, rtol=1e-3)
-    assert with_known_drive(bare, replace(controller, kp="unknown")).torque is None
-    assert with_known_drive(log, controller) is log
-
-
-def test_a_recording_states_its_speed_and_direction() -> None:
-    """Where recordings have one speed each, they may differ by it and not by the joint."""
-    k, rng = known(), np.random.default_rng(8)
-    found = []
-    for speed in (0.2, 0.5, 1.0, 1.5, 2.0, -0.3, -0.8, -1.2, -1.8):
-        t = 0.004 * np.arange(1500)
-        v = speed + 0.02 * np.cos(5.0 * t)
-        friction = (FC + 0.05 * abs(speed)) * np.sign(v) + SIGMA2 * v
-        q = np.cumsum(v) * 0.004
-        torque = friction - 0.5 * 9.81 * 0.2 * np.cos(q) + rng.normal(0.0, 0.005, len(t))
-        log = JointLog(name=f"at {speed}", joint="elbow", time=t, position=q, torque=torque)
-        found.append(estimate(k, log))
-    assert [round(x.direction) for x in found] == [1, 1, 1, 1, 1, -1, -1, -1, -1]
-    np.testing.assert_allclose([x.speed for x in found[:5]], (0.2, 0.5, 1.0, 1.5, 2.0), rtol=0.05)
 
 
 def test_each_joint_of_a_robot_states_how_it_differs() -> None:

@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from law_shapes import law_at
-from scipy.stats import norm
-from scipy.stats import t as student
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
@@ -17,10 +15,9 @@ from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.refine import refine
-from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.refine import without_stribeck
 from frictionjoint.refine.vector import Vector
-from frictionjoint.replay.closed_loop import closed_loop, courses_of, joint_model
+from frictionjoint.replay.closed_loop import closed_loop, courses_of
 
 HIDDEN = {"delay": 0.03}
 TERMS = (
@@ -67,46 +64,6 @@ def test_what_is_hidden_is_found_again(case):
     assert delay + late == pytest.approx(HIDDEN["delay"], rel=0.2)
 
 
-def test_the_covariance_is_one(case):
-    _, found, _ = case
-    assert found.cov.shape == (len(found.values), len(found.values))
-    assert np.linalg.eigvalsh(found.cov).min() > -1e-12
-    # what moves the simulated joint most is determined better than by the balance; the rest may be
-    # less sure, for all are widened by what was left out
-    # bands are Student's of three logs: as standard errors of a normal distribution
-    narrower = norm.ppf(0.975) / student.ppf(0.975, 2)
-    error = narrower * np.sqrt(np.diag(found.cov)) / found.vector.unit
-    assert np.all(np.sort(error)[: len(error) // 4] < 0.3)
-    assert error.max() < 3.0
-
-
-def test_a_covariance_knows_that_gain_and_torques_move_together(case):
-    fitted, found, _ = case
-    vector = found.vector
-    cov = np.diag(np.linspace(1.0, 2.0, len(vector.start)) * 1e-6)
-    there = vector.covariance(cov)
-    assert vector.own_covariance(fitted, there) == pytest.approx(cov, abs=1e-12)
-    # torques by the definition: gain times coefficient, the gain one over that of the load
-    n = vector.layout.linear.stop
-    for i in range(1, n):
-        slopes = np.zeros(len(cov))
-        slopes[0], slopes[i] = -(fitted.gain**2) * fitted.beta[i], fitted.gain
-        assert there[i, i] == pytest.approx(slopes @ cov @ slopes)
-
-
-def test_a_delay_that_the_balance_has_at_nothing_is_searched_too():
-    body = RigidBody(PLANT.format(""), "j")
-    prepared = prepare([servo("swept 3", 3.0, swept, {}, 2.0)], body, controller=KNOWN)
-    fitted = refit(prepared, (), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH, 2)
-    cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
-    vector = Vector(prepared, fitted, cov, body.armature)
-    at = vector.names.index("timing of the target 0.shape0")
-    none = vector.start.copy()
-    none[at] = 1e-9
-    # half a tick of a firmware that works a thousand times a second
-    assert Vector(prepared, vector.fit(none), cov, body.armature).unit[at] >= 0.5e-3
-
-
 def test_a_law_that_the_balance_has_bent_over_all_speeds_is_left_again(monkeypatch):
     """The plant's level does not fall with the speed; logs of one gain hardly tell."""
     body = RigidBody(PLANT.format(""), "j")
@@ -135,35 +92,3 @@ def test_a_law_that_the_balance_has_bent_over_all_speeds_is_left_again(monkeypat
     assert bent.shape.vector()[excess] > 2.0
     assert found.shape.vector()[excess] < 0.2
     assert closed_loop(other, found).mae < 0.85 * closed_loop(other, bent).mae
-
-
-def test_numbers_stay_in_their_range_where_a_search_rounds(case):
-    _, found, other = case
-    vector = found.vector
-    objective = Objective(vector, other, 1.0, vector.start)
-    for bound in objective.bounds:
-        low = np.where(np.isfinite(bound), bound, 0.0)
-        x = objective.numbers(low)
-        assert np.all((x >= vector.low) & (x <= vector.high))
-    # a law without a level is none: the least one can still be simulated
-    at = found.fit.names.index("Fc")
-    least = found.values.copy()
-    least[at] = vector.low[at]
-    assert joint_model(vector.fit(least)).numbers.size
-    assert np.isfinite(objective(np.maximum(objective.bounds[0], -1.0))).all()
-
-
-def test_numbers_are_carried_into_a_model_with_one_effect_more(case):
-    fitted, found, _ = case
-    small = found.vector
-    spring = EffectTerm(next(e for e in CATALOGUE if e.name == "spring"))
-    body = RigidBody(PLANT.format(""), "j")
-    prepared = prepare(fitted_logs(), body, controller=KNOWN)
-    more = refit(prepared, (*fitted.effects, spring), fitted.shape, ROUGH)
-    cov = np.diag(np.full(more.jacobian.shape[1], 1e-4))
-    large = Vector(prepared, more, cov, body.armature)
-    x = dict(zip(large.names, large.carried(small, found.values), strict=True))
-    for name, value in zip(small.names, found.values, strict=True):
-        assert x.pop(name) == pytest.approx(value)
-    own = dict(zip(large.names, large.start, strict=True))
-    assert x == {name: own[name] for name in ("spring 0.stiffness", "spring 0.preload")}

@@ -10,9 +10,8 @@ import re
 import pytest
 from reports import COGGING, LAW, empty, estimate, good, robot
 
-from frictionjoint.effects.catalogue import DRIVE_EFFECTS, SIMULATED, title
-from frictionjoint.effects.quantities import quantity_of
-from frictionjoint.report.numbers import friction_card, result_estimates
+from frictionjoint.effects.catalogue import title
+from frictionjoint.report.numbers import result_estimates
 from frictionjoint.report.robot_summary import joint_content, summarise_robot
 from frictionjoint.report.summary import summarise
 from frictionjoint.report.text import robot_text, summary_text
@@ -117,12 +116,6 @@ def test_no_error_is_below_the_noise(content):
         assert float(told[1]) == pytest.approx(ratio, rel=0.06)
 
 
-def test_a_noise_is_what_an_instrument_resolves(content):
-    s = summarise(content)
-    drive = content["drive"]["rms"]["after"][s.role]
-    assert s.noise_level is None or s.noise_level >= 1e-4 * drive
-
-
 def test_what_is_called_missing_is_supported(content):
     s = summarise(content)
     for effect in s.effects:
@@ -209,15 +202,6 @@ def test_a_note_is_said_once_and_the_terminal_has_at_most_five(content):
     assert sum(x.startswith("* ") for x in told) == 6  # with the line that counts the rest
 
 
-def test_notes_that_differ_in_the_law_alone_are_one():
-    notes = [f"With the law {law} {x} N m would be left." for law, x in (("lugre", 1), ("dahl", 2))]
-    (note,) = summarise(good(notes=notes)).notes
-    assert note == f"{notes[0]} (The same holds, with other numbers, for dahl.)"
-    notes = [f"{j}: With the law {law} 1 N m is left." for j in "ab" for law in ("lugre", "dahl")]
-    (note,) = summarise(good(notes=notes)).notes
-    assert note == f"{notes[0]} (The same holds, with other numbers, for b.)"
-
-
 def test_a_verdict_agrees_with_what_was_added(content):
     s = summarise(content)
     missing = line(s, "Missing").lower()
@@ -243,29 +227,6 @@ def test_an_implausible_noise_is_withheld_with_its_reason():
     assert summarise(REPORTS["noise above the error"]).noise_level == 0.02
 
 
-def test_a_number_that_the_logs_do_not_determine_says_so():
-    card = friction_card(
-        {
-            "Fc_pos": summarise_estimate(1.0, 0.6),
-            "stiffness": summarise_estimate(1e4, None),
-            "Vs_pos": summarise_estimate(0.1, None),
-        }
-    )
-    assert [x.status for x in card] == ["not determined", "assumed", "not determined"]
-
-
-def summarise_estimate(value, stderr):
-    return result_estimates({"after": {"parameters": {"x": estimate(value, stderr)}}})["x"]
-
-
-def test_a_wave_is_an_amplitude_a_count_and_a_phase():
-    (effect,) = summarise(good()).effects
-    assert effect.size == (
-        "amplitude 0.5000\u00a0±\u00a00.0020\u00a0N m, 14.000\u00a0±\u00a00.010 per turn, "
-        "phase 127°",
-    )
-
-
 def test_a_robot_has_the_figures_of_its_joints():
     s = summarise_robot(ROBOT)
     for row in s.rows:
@@ -283,21 +244,6 @@ def test_a_robot_has_the_figures_of_its_joints():
     assert "rotor inertia of elbow" in line(s, "Could also be").lower()
     told = robot_text(ROBOT).splitlines()
     assert sum(x.startswith("* ") for x in told) <= 6
-
-
-def test_breakaway_is_open_where_the_stribeck_velocity_is():
-    loose = LAW | {f"Vs_{s}": estimate(0.05, 0.04, "rad/s") for s in ("pos", "neg")}
-    card = {x.name: x.status for x in summarise(good(after__parameters=loose)).friction}
-    assert card["Vs"] == card["Fs"] == "not determined"
-    assert card["Fc"] == "determined"
-
-
-def test_a_size_names_its_quantity():
-    for effect in (*SIMULATED, *DRIVE_EFFECTS):
-        assert effect.title
-        for number in (*effect.coefficients, *effect.shape):
-            words = quantity_of(effect.name, number)
-            assert len(words) > 4, f"{effect.name}: {words}"
 
 
 def test_what_held_out_logs_leave_to_chance_is_said():

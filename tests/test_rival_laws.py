@@ -2,7 +2,6 @@
 
 import contextlib
 import dataclasses
-import itertools
 
 import mujoco
 import numpy as np
@@ -13,9 +12,7 @@ from hypothesis import strategies as st
 import frictionjoint as fj
 from frictionjoint import friction_torque
 from frictionjoint.errors import ParameterError
-from frictionjoint.laws import parameters_from_dict, unpack
 from frictionjoint.rivals import (
-    RIVALS,
     ArmstrongParameters,
     DahlParameters,
     DahlStribeckParameters,
@@ -52,11 +49,6 @@ def dry(p):
 def ramp(v, seconds=2.0, n=2001):
     t = np.linspace(0.0, seconds, n)
     return t, v * t
-
-
-def test_every_law_is_here_once():
-    assert {type(p) for p in LAWS} == set(RIVALS)
-    assert len({cls.number for cls in RIVALS} | {1}) == len(RIVALS) + 1
 
 
 @each_law
@@ -97,18 +89,6 @@ def test_finite_and_bounded_for_any_steps(p, moves):
     assert np.isfinite(F).all()
     # the published presliding damping and spring-to-slide jump stay within the level as well
     assert np.abs(F).max() <= FS * (1 + 1e-9)
-
-
-@pytest.mark.parametrize(
-    "p", [p for p in HYSTERETIC if p.law != "maxwell_slip"], ids=lambda p: p.law
-)
-@pytest.mark.parametrize("parts", [2, 7])
-def test_refining_a_step_at_constant_speed_changes_nothing(p, parts):
-    corners = np.array([0.0, 8e-5, -3e-5, 2e-4, 1e-4, 5e-4])
-    t = np.append(0.0, np.cumsum(np.abs(np.diff(corners)) / 1e-3))
-    fine = np.unique(np.concatenate([np.linspace(*ab, parts + 1) for ab in itertools.pairwise(t)]))
-    F = friction_torque(dry(p), fine, np.interp(fine, t, corners))[np.searchsorted(fine, t)]
-    np.testing.assert_allclose(F, friction_torque(dry(p), t, corners), atol=2e-4 * FS)
 
 
 def test_dahl_follows_its_closed_forms():
@@ -178,12 +158,6 @@ def test_lugre_agrees_with_the_one_in_mujoco():
     a, b = runs
     assert np.ptp(a) > 0.5  # it slid
     assert np.abs(a - b).max() < 5e-3 * np.ptp(a)
-
-
-@each_law
-def test_written_and_read_back(p):
-    assert unpack(p.pack()) == p
-    assert parameters_from_dict(p.to_dict()) == p
 
 
 @each_law

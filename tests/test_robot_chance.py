@@ -68,16 +68,3 @@ def test_a_cause_of_many_numbers_that_is_there_is_no_chance():
     size = rng.standard_normal(columns.shape[1])
     residuals = [columns @ size + 0.1 * rng.standard_normal(N) for _ in range(JOINTS)]
     assert least_p(stack_of(columns, residuals), [np.arange(len(size))], 0) < 0.01
-
-
-def test_what_is_known_is_no_chance_of_others():
-    rng = np.random.default_rng(7)
-    columns = curves(2, rng)
-    columns[:, 1] += columns[:, 0]
-    residuals = [columns[:, 0] + 0.3 * rng.standard_normal(N) for _ in range(JOINTS)]
-    stack = stack_of(columns, residuals)
-    A, b = stack.products(np.array([1]), np.array([0]))
-    total = stack.total
-    through = total[0, 1] / total[0, 0]
-    assert A.sum() == pytest.approx(total[1, 1] - through * total[0, 1])
-    assert b.sum() == pytest.approx(total[1, 2] - through * total[0, 2], abs=1e-6)

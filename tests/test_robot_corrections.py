@@ -3,7 +3,6 @@
 import itertools
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -17,18 +16,15 @@ from frictionjoint.robot.along import Along
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia
-from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.causes.joint_offset import JointOffset
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.causes.rotor_inertia import RotorInertia
 from frictionjoint.robot.corrections import (
     Corrections,
     Shaft,
-    levelling,
     tendons_bend,
     write_corrections,
 )
-from frictionjoint.robot.inertia import of_model, possible
 from tests.arms.arm import random_arm
 from tests.arms.run import motion
 
@@ -88,24 +84,6 @@ def test_load_under_corrections_is_that_of_the_corrected_model(arm, logs, kind, 
         assert np.abs(found.signals[:, column] - other.signals[:, column]).max() < 1e-4 * size
 
 
-@pytest.mark.parametrize("kind", CAUSES)
-def test_columns_are_the_change_of_the_load_with_the_numbers(arm, logs, kind):
-    cause, x = CAUSES[kind]
-    joint = "j2" if kind == "rotor" else "j1" if kind == "tilt" else "j2"
-    body = RigidBody(arm, joint)
-    (segment,) = prepare([logs[joint]], body).segments
-    none = Corrections.none(body.model)
-    here = cause.applied(none, np.array(x))
-    along = Along(body, segment, here)
-    for k in range(len(x)):
-        moved = np.array(x)
-        moved[k] += 1e-5
-        after = cause.applied(none, moved)
-        expected = Along(body, segment, after).segment(segment).signals[:, LOAD]
-        expected = kept(segment, expected - along.segment(segment).signals[:, LOAD])
-        assert np.allclose(along.linear(here, after), expected, atol=1e-3 * np.ptp(expected) + 1e-9)
-
-
 def test_a_shafts_torque_is_the_tendons(arm, logs):
     """All but Coulomb friction through MuJoCo's tendon; that is added to it."""
     concave = 0.4 if tendons_bend() else 0.0
@@ -123,36 +101,3 @@ def test_a_shafts_torque_is_the_tendons(arm, logs):
         expected = prepare([logs[joint]], other, prepared.band).segments[0].signals[:, LOAD]
         assert np.abs(found.signals[:, LOAD] - expected).max() < 1e-4 * np.abs(expected).max()
     assert np.abs(kept(segment, expected[:, None])).max() > 0.0
-
-
-def test_concave_friction_levels_off_at_the_top_speed_and_falls_nowhere():
-    v = np.linspace(-3.0, 3.0, 1201)
-    slope = np.gradient(levelling(v, 1.5), v)
-    assert slope[600] == pytest.approx(1.0, rel=1e-2)
-    assert slope[np.isclose(np.abs(v), 1.5)] == pytest.approx([0.0, 0.0], abs=1e-2)
-    assert np.all(slope > -1e-9)
-    assert np.all(np.diff(slope[600:901]) < 0.0)  # up to the top speed
-
-
-def test_every_change_of_a_body_leaves_a_possible_one(arm):
-    model = mujoco.MjModel.from_xml_string(arm)
-    none, rng = Corrections.none(model), np.random.default_rng(0)
-    cause = BodyInertia(2, "link2", "all ten")
-    for _ in range(50):
-        state = cause.applied(none, rng.normal(size=10))
-        assert possible(state.phi[2])
-    assert np.array_equal(cause.applied(none, np.zeros(10)).phi, of_model(model))
-
-
-def test_causes_speak_of_the_joints_that_are_logged(arm):
-    model = mujoco.MjModel.from_xml_string(arm)
-    velocity = {name: np.sin(np.arange(9.0)) for name in ("j1", "j2")}
-    found = catalogue(model, ["j1", "j2"], ["j1", "j2"], velocity)
-    places = {(c.name, *c.place.values()) for c in found}
-    assert ("rotor-inertia", "j2") in places
-    assert ("rotor-inertia", "j3") not in places
-    # link3 stands still behind link2: the hand is link2
-    assert {place[1] for place in places if place[0] == "payload"} == {"link2"}
-    assert ("gear-coupling", "j1", "j2") in places
-    # a shaft that no log turns shows nothing
-    assert [c.ratio for c in found if c.name == "gear-coupling"] == [1.0]

@@ -9,9 +9,6 @@ import pytest
 from frictionjoint.errors import LogError
 from frictionjoint.identify.driven_joints import joints_to_explain
 from frictionjoint.measured.readers import joints_with_drive
-from frictionjoint.report.joint_report import Rms
-from frictionjoint.report.robot_report import mean_percent
-from frictionjoint.report.write_robot import page_names
 from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.logs import read_robot
 from tests.arms.arm import hide_mass, random_arm
@@ -82,34 +79,6 @@ def test_joints_recorded_one_after_the_other_have_each_the_logs_in_which_they_mo
     )
 
 
-def test_a_joint_that_only_flickers_stands_still(tmp_path, model):
-    log = write(tmp_path / "a.csv", still="j2")
-    rows = np.loadtxt(log, delimiter=",", skiprows=1)
-    names = (tmp_path / "a.csv").read_text().split("\n")[0]
-    rows[::7, names.split(",").index("j2.position_rad")] += 1e-3
-    np.savetxt(log, rows, delimiter=",", header=names, comments="")
-    found = read_robot([log], model)
-    assert "flicker" in found.failed["j2"]
-
-
-def test_a_log_of_no_joint_of_the_model_is_refused(tmp_path, model):
-    log = write(tmp_path / "a.csv", columns={"elbow": COLUMNS["j1"]})
-    with pytest.raises(LogError, match=r"elbow.*j1"):
-        read_robot([log], model)
-
-
-def test_errors_are_averaged_over_joints_in_per_cent():
-    found = mean_percent([(Rms(0.1, 0.2), Rms(1.0, 0.5)), (Rms(3.0, None), Rms(10.0, None))])
-    assert found.fit == pytest.approx(20.0)
-    assert found.held_out == pytest.approx(40.0)
-
-
-def test_pages_have_names_of_their_own():
-    names = page_names(["a/b", "a b", "ok"])
-    assert len(set(names.values())) == 3
-    assert all("/" not in x and " " not in x for x in names.values())
-
-
 def test_a_wrong_sign_is_refused_before_any_cause_is_sought():
     """It would be one: with masses three times the model's the other joints' logs are in order."""
     arm = random_arm(31, 2)
@@ -119,8 +88,3 @@ def test_a_wrong_sign_is_refused_before_any_cause_is_sought():
     wrong = replace(right, torque=-right.torque)
     with pytest.raises(LogError, match="wrong sign of position or torque"):
         first_fit([wrong], arm.believed, "j2", None)
-
-
-def test_a_robot_without_a_log_is_not_explained(model):
-    with pytest.raises(LogError, match="no log to fit"):
-        read_robot([], model)

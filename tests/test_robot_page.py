@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 
@@ -14,10 +13,8 @@ from frictionjoint.report.robot_report import (
     RobotErrors,
     RobotReport,
     SharedCause,
-    notes_of,
 )
 from frictionjoint.report.robot_summary import joint_content, summarise_robot
-from frictionjoint.report.wording import percentage
 from frictionjoint.report.write import made
 from frictionjoint.report.write_robot import page_names, render_robot
 
@@ -91,25 +88,12 @@ def test_each_part_is_there(page, part):
     assert PARTS[part] in page
 
 
-def test_a_shared_cause_has_the_errors_of_each_joint(page, demo_report):
-    whole = demo_report.drive_rms("after").held_out
-    ends = (x.held_out for x in (demo_report.before_torque, demo_report.after_torque))
-    assert "elbow {} → {}".format(*(percentage(x, whole) for x in ends)) in page
-
-
 def test_the_page_of_a_joint_has_the_errors_of_the_robots_page(robot):
     s = summarise_robot(content(robot))
     for row in s.rows:
         own = render(robot.joints[row.joint].report, joint_content(content(robot), row.joint))
         for percent in row.torque.split(" → "):
             assert f"({percent})" in own
-
-
-def test_at_most_three_notes_stand_before_the_first_table(robot):
-    noted = replace(robot, notes=tuple(f"remark {'x' * i}" for i in range(9)))
-    page = render_robot(noted, page_names(list(noted.joints)), content(noted))
-    assert page.partition("<table>")[0].count("remark ") == 3
-    assert page.count("remark ") == 9
 
 
 def test_a_larger_error_within_its_interval_or_unseen_is_not_called_worse(page, robot):
@@ -130,27 +114,6 @@ def test_the_summary_says_what_fell_and_what_did_not(robot):
     assert "12% → 12% (mean of the joints), which is worse" in further.summary()
 
 
-def test_joints_that_move_farther_together_on_fitted_data_are_told(robot):
-    before = RobotErrors(Rms(10.0, 12.0), Rms(0.046, 0.05))
-    after = RobotErrors(Rms(2.0, 3.0), Rms(1.15, 0.04))
-    text = replace(robot, before=before, after=after).summary()
-    assert "worse on fitted logs: 0.046 → 1.15 rad" in text
-
-
-def test_position_errors_have_their_unit_and_a_dash_its_reason(robot, page):
-    before = robot.joints["elbow"].before_replay.held_out
-    assert f"{before:.3g}\u00a0rad" in robot.summary()
-    assert "a dash where the simulation leaves the logged motion" in page
-
-
 def test_a_robot_says_in_a_line_what_it_is_and_draws_every_joint(robot):
     assert repr(robot).startswith("RobotReport(elbow: explained, wrist: partly-explained")
     assert len(robot.plot().axes) == 2 * len(robot.joints)
-
-
-def test_a_note_says_whose_it_is_unless_it_is_that_of_all():
-    def noted(*notes):
-        return SimpleNamespace(report=SimpleNamespace(notes=notes))
-
-    notes = notes_of({"j1": noted("a gap", "held"), "j2": noted("held"), "j3": noted("held")})
-    assert notes == ("j1: a gap", "held")

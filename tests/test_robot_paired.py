@@ -1,12 +1,9 @@
 """The paired interval of an error's increase: narrow for what both have, honest about blocks."""
 
 import numpy as np
-import pytest
 from scipy.signal import lfilter
 
-from frictionjoint.replay.free_runs import Replay
-from frictionjoint.robot import explain
-from frictionjoint.robot.paired import error_increase, replay_increase
+from frictionjoint.robot.paired import error_increase
 
 N, LOGS = 4000, 2
 
@@ -40,29 +37,3 @@ def test_a_small_increase_shows_that_each_error_alone_hides():
     rise = np.sqrt(np.mean(after**2)) - np.sqrt(np.mean(before**2))
     assert low < rise < high
     assert high - low < 0.1
-
-
-def test_runs_are_blocks():
-    rng = np.random.default_rng(2)
-    before = rng.uniform(1.0, 5.0, 30)
-    low, high = replay_increase(before, before * rng.uniform(1.1, 1.3, 30))
-    assert 0.0 < low < high
-    low, high = replay_increase(before, rng.permutation(before))
-    assert low < 0.0 < high
-
-
-def test_a_log_that_is_simulated_whole_is_compared_along_its_time():
-    def increase(errors: np.ndarray) -> tuple[float, float]:
-        first, then = (Replay((x,), 10.0) for x in (before, errors))
-        return explain._replay_increase((first, first), (then, then))
-
-    before = slow_noise(np.random.default_rng(3))
-    low, high = increase(1.2 * before)
-    assert 0.0 < low < 0.2 < high
-    low, high = increase(slow_noise(np.random.default_rng(4)))
-    assert low < 0.0 < high
-
-
-@pytest.mark.parametrize("errors", [np.ones(1), np.zeros(5)])
-def test_what_cannot_be_told_is_open(errors):
-    assert replay_increase(errors, errors) == (-np.inf, np.inf)

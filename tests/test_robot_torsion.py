@@ -1,7 +1,5 @@
 """A second encoder: stiffness, backlash, hysteresis between motor and link of simulated gears."""
 
-from dataclasses import replace
-
 import mujoco
 import numpy as np
 import pytest
@@ -87,24 +85,6 @@ def test_what_rubs_beside_the_spring_makes_the_twist_lag():
     # at the same torque the twist differs by twice the level over the stiffness
     assert found.hysteresis.value == pytest.approx(2 * 1.5 / STIFFNESS, rel=0.25)
     assert found.backlash is None
-
-
-def test_a_motor_geared_to_two_joints_is_no_twist():
-    """As in a wrist: by the stiff gear's twist, not by the travel of the joint before."""
-    alone = log_of()
-    before = 0.8 * np.sin(0.7 * alone.time)
-    wrist = replace(
-        alone,
-        motor_position=alone.motor_position + RATIO * 0.9 * before,
-        other_positions={"wrist": before, "elbow": 0.5 * np.cos(0.9 * alone.time)},
-    )
-    found = found_in(wrist)
-    assert found.geared == {"wrist": pytest.approx(0.9, rel=1e-2)}
-    assert found.stiffness.value == pytest.approx(STIFFNESS, rel=0.05)
-    assert found.hysteresis is None
-    assert found_in(replace(wrist, position=alone.motor_position / RATIO)) is None
-    elastic = replace(alone, other_positions=wrist.other_positions)
-    assert found_in(elastic).geared == {}
 
 
 def test_a_position_computed_from_the_other_tells_nothing():

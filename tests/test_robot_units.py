@@ -7,8 +7,7 @@ import pytest
 from frictionjoint.cli.robot import robots_of
 from frictionjoint.errors import LogError
 from frictionjoint.identify.result import Estimate
-from frictionjoint.report.units_report import Spread, UnitsReport
-from frictionjoint.report.write_robot_units import render_units
+from frictionjoint.report.units_report import Spread
 from tests.command_line import run
 
 ROW = Spread(
@@ -33,13 +32,6 @@ def test_spread_over_units_beside_the_error_of_one():
     assert ROW.error == pytest.approx(((0.09 + 0.16) / 2) ** 0.5)
     assert Spread("elbow", "n", "1", {"a": Estimate(1.0, None, "1")}).error is None
     assert ROW.to_dict()["units"]["b"] == {"value": 2.0, "stderr": 0.4, "unit": "N m"}
-
-
-def test_the_page_states_units_that_failed():
-    report = UnitsReport({}, {"third <unit>": "no log"})
-    page = render_units(report, report.to_dict())
-    assert "third &lt;unit&gt;" in page
-    assert "no log" in page
 
 
 @pytest.mark.parametrize(

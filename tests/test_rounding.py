@@ -2,27 +2,11 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from test_wrong_mass import BELIEVED, PAYLOAD, driven, joint
 
 from frictionjoint import close_loop
-from frictionjoint.identify.rounding import best_of, first_least, in_order
 from frictionjoint.measured.log import JointLog
-
-
-def test_of_equal_costs_the_first_in_order_is_chosen():
-    costs = {"inertia": 8.0 + 2e-12, "gain": 8.0, "bias": 9.0}
-    assert best_of(list(costs), costs.__getitem__) == "inertia"
-    assert in_order(["bias", "gain", "inertia"], costs.__getitem__) == ["gain", "inertia", "bias"]
-    assert in_order([], float) == []
-
-
-def test_a_cost_that_is_less_by_more_than_rounding_is_chosen():
-    costs = {"inertia": 8.0, "gain": 7.999, "none": 0.0}
-    assert in_order(list(costs), costs.__getitem__) == ["none", "gain", "inertia"]
-    found = first_least(np.array([[3.0, 1.0 + 1e-13], [2.0, 1.0]]))
-    assert found.tolist() == [1, 0]
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,6 @@ from frictionjoint.diagnose.notes import notes
 from frictionjoint.diagnose.sight import smallest
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import Q
-from frictionjoint.errors import ParameterError
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.prepare import prepare
@@ -150,17 +149,3 @@ def test_an_end_stop_that_one_log_meets_is_named(tmp_path):
     assert [f.term.name for f in found.findings] == ["end-stop"]
     assert found.final.terms[0].shape == pytest.approx((0.35,), rel=0.01)
     assert found.final.term_coefficients(0)[0] == pytest.approx(5.0, rel=0.1)
-
-
-def test_no_such_law():
-    with pytest.raises(ParameterError, match="unknown law"):
-        trace(None, law="hertz")
-
-
-def test_equal_seeds_give_equal_results(tmp_path):
-    logs = prepared_logs(PLANT, tmp_path)
-    one, other = (trace(logs, 3, law="integrated") for _ in range(2))
-    np.testing.assert_array_equal(one.final.beta, other.final.beta)
-    drawn = [(row.name, row.p_value, row.frequency) for row in one.last_look.rows]
-    assert drawn == [(row.name, row.p_value, row.frequency) for row in other.last_look.rows]
-    assert len({p for _, p, _ in drawn}) > 3

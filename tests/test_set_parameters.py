@@ -1,6 +1,5 @@
 """Friction of a compiled model is changed in place, and states start afresh when asked to."""
 
-import dataclasses
 import json
 
 import mujoco
@@ -15,11 +14,7 @@ from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.files import read_samples, toml_document
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.rivals import (
-    ArmstrongParameters,
-    ElastoplasticParameters,
     LuGreParameters,
-    MaxwellSlipParameters,
-    StaticParameters,
 )
 from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.friction_samples import FrictionSamples
@@ -66,12 +61,6 @@ def test_a_changed_joint_moves_as_one_that_was_compiled_so():
     assert read_friction(changed)["a"].effects[0].coefficients == (-0.1,)
 
 
-def test_parameters_without_effects_leave_those_of_the_model():
-    changed = model(1.0, 0.2)
-    fj.set_parameters(changed, "a", law(1.5))
-    np.testing.assert_array_equal(path(changed), path(model(1.5, 0.2)))
-
-
 @pytest.mark.parametrize(
     ("joint", "parameters", "words"),
     [
@@ -93,39 +82,6 @@ def test_what_does_not_fit_is_refused_and_changes_nothing(joint, parameters, wor
     assert read_friction(m) == before
     with pytest.raises(TypeError, match="is not a set of friction parameters"):
         fj.set_parameters(m, "a", {"Fs_pos": 1.0})
-
-
-RIVALS = [
-    kind.symmetric(Fs=1.0, Fc=0.7, Vs=0.05, **numbers)
-    for kind, numbers in (
-        (LuGreParameters, {"sigma0": 300.0}),
-        (ElastoplasticParameters, {"sigma0": 300.0}),
-        (ArmstrongParameters, {"sigma0": 300.0}),
-        (StaticParameters, {"V0": 1e-3}),
-        (MaxwellSlipParameters, {"C": 10.0, "elements": ((600.0, 0.6), (100.0, 0.4))}),
-    )
-]
-
-
-@pytest.mark.parametrize("first", [law(1.0), *RIVALS], ids=lambda p: p.law)
-def test_a_loaded_joint_with_less_friction_slides(first):
-    spec = mujoco.MjSpec.from_string(TWO)
-    fj.install(spec, {"a": first})
-    m = spec.compile()
-    data = mujoco.MjData(m)
-    less = dataclasses.replace(first, Fs_pos=0.2, Fs_neg=0.2, Fc_pos=0.15, Fc_neg=0.15)
-    with fj.attach(m):
-        data.qfrc_applied[0] = 0.6
-        mujoco.mj_step(m, data, 500)
-        before = fj.torque(m, data)["a"]
-        assert before.sticks
-        assert before.hysteresis > 0.25
-        fj.set_parameters(m, "a", less)
-        mujoco.mj_forward(m, data)
-        assert 0.15 <= fj.torque(m, data)["a"].hysteresis <= 0.2
-        mujoco.mj_step(m, data, 500)
-        assert data.qvel[0] > 0.1
-        assert not fj.torque(m, data)["a"].sticks
 
 
 @settings(max_examples=30, deadline=None)

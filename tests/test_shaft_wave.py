@@ -70,12 +70,6 @@ def test_a_model_that_is_attached_to_another_has_it_by_its_new_names():
     assert any(n.name.startswith("left-" + SHAFT_TAG) for n in parent.numerics)
 
 
-def test_it_goes_with_the_friction():
-    made = spec()
-    fj.uninstall(made)
-    assert not list(made.numerics)
-
-
 def test_a_wave_without_its_tendon_is_refused_in_one_line():
     made = spec(False)
     add_wave(made, "rod", WAVE)

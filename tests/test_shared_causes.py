@@ -1,16 +1,11 @@
 """What joints of simulated arms show together: named, in the right place, with its size."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from frictionjoint.robot import shared
-from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.shared import Shared, shared_causes
 from tests.arms.arm import (
     Arm,
-    hide_load_dependence,
     hide_mass,
     hide_payload,
     hide_rotor,
@@ -78,15 +73,6 @@ def test_a_payload_is_found_where_its_mass_shows_in_its_inertia_alone():
     assert np.linalg.norm(measured - arm.hidden["payload"][2]) < 0.01
 
 
-def test_a_rotor_has_its_size_beside_friction_that_depends_on_the_load():
-    arm = random_arm(63, 2)
-    hide_rotor(arm, "j1")
-    hide_load_dependence(arm, "j1", 0.15)
-    ((name, place, found),) = values(found_in(arm))
-    assert (name, place) == ("rotor-inertia", {"joint": "j1"})
-    assert found["added"] == pytest.approx(arm.hidden["rotor-inertia"]["j1"], rel=0.05)
-
-
 def heavier_link_and_rotor(seed: int) -> tuple[Arm, dict[str, dict[str, float]]]:
     """An arm whose second link is heavier and whose first rotor is missing, and what is found."""
     arm = random_arm(seed, 2)
@@ -141,32 +127,3 @@ def test_a_supply_below_its_scale_is_one_gain_of_all_drives():
     for joint in found.settled.joints:
         assert joint.common_effects[0].name == "torque-gain"
         assert joint.left == pytest.approx(joint.rms, rel=0.1)
-
-
-def test_a_cause_that_is_refused_costs_no_round(monkeypatch):
-    """Under laws that follow none is to leave less: then all that seem right are tried in one."""
-    monkeypatch.setattr(shared, "_MOST_ROUNDS", 1)
-    monkeypatch.setattr(shared, "_nearer", lambda *_: False)
-    arm = random_arm(60, 2)
-    hide_payload(arm, 2.0, [0.03, 0.02, 0.02])
-    said: list[str] = []
-    found = shared_causes(fitted_joints(arm, (1,), SECONDS), arm.joints, map, progress=said.append)
-    tried = [text for text in said if text.startswith("causes that joints share, found")]
-    assert len(set(tried)) == len(tried) > 1
-    assert not found.choices
-
-
-@pytest.mark.parametrize("kept", [True, False])
-def test_a_cause_that_laws_can_do_without_once_they_follow_is_none(monkeypatch, kept):
-    """It would be dropped and come in again for ever, each time a little nearer."""
-    cause = Payload(2, "link2")
-
-    def now(*causes):
-        return SimpleNamespace(settled=SimpleNamespace(found=SimpleNamespace(causes=causes)))
-
-    monkeypatch.setattr(shared, "_with", lambda *_: now(cause))
-    monkeypatch.setattr(shared, "_without_idle", lambda trial, *_: trial if kept else now())
-    monkeypatch.setattr(shared, "_nearer", lambda *_: True)
-    choice = SimpleNamespace(candidate=SimpleNamespace(cause=cause))
-    grown = shared._grown(now(), [choice], map, frozenset())
-    assert (grown is not None) == kept

@@ -4,19 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from law_shapes import law_at
 
 from frictionjoint.effects import joint_elasticity
-from frictionjoint.effects.signals import DT, N_SIGNALS, TIME, A, H, Q
-from frictionjoint.identify.design import full_signals
+from frictionjoint.effects.signals import N_SIGNALS, TIME, Q
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.noise import Noise
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.identify.segment import Band, Prepared, Segment
+from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.identify.starts import fit, law_alone
 from frictionjoint.identify.terms import EffectTerm
@@ -64,17 +59,6 @@ def test_a_log_that_begins_at_rest_under_load_is_no_longer_wrong_until_it_slides
     assert found.coefficient("Fc") == pytest.approx(FC, rel=0.02)
 
 
-def test_of_a_log_that_is_only_predicted_the_start_is_sought_too(cut):
-    begun, found = settled(cut, fit(cut))
-    (measured, *_), (predicted, *_), *_ = predict(cut, found)
-    error = measured - predicted
-    at_start = error[: len(error) // 20]
-    assert np.sqrt(np.mean(at_start**2)) < 2.0 * np.sqrt(np.mean(error**2))
-    # a start is sought as nearly as the squares of a log tell it
-    apart = (predicted - predict(begun, found)[1][0])[: len(at_start)]
-    assert np.sqrt(np.mean(apart**2)) < 0.02 * FC
-
-
 def still(held: float) -> Segment:
     """A joint that stands for a second."""
     time = np.arange(200) * 0.005
@@ -97,27 +81,6 @@ def still(held: float) -> Segment:
         corner_hz=40.0,
         held=held,
     )
-
-
-def alone(segment):
-    return Prepared((segment,), "joint", False, "torque", Band(20.0, 40.0))
-
-
-@settings(deadline=None)
-@given(
-    held=st.floats(-1.0, 1.0),
-    law=st.sampled_from(("integrated", "lugre", "elastoplastic", "maxwell_slip", "dahl")),
-)
-def test_every_law_begins_at_what_was_held_and_keeps_it_at_rest(held, law):
-    form = law_at(forms_of(law)[0], 0.02, 0.001)
-    (own,) = full_signals(alone(still(held)), form, 1.0, 0.0)
-    np.testing.assert_allclose(own[:, H], held, atol=0.03)
-
-
-def test_a_law_that_never_holds_as_much_begins_at_its_most():
-    form = law_at(forms_of("dahl")[0], 0.02, 0.001)
-    (own,) = full_signals(alone(still(1.4)), form, 1.0, 0.0)
-    assert own[0, H] == pytest.approx(1.0, abs=1e-6)
 
 
 RESONANCE, DAMPING = 6.0, 0.03
@@ -155,39 +118,3 @@ def test_a_link_that_swings_when_a_log_begins_is_followed(swinging):
     error = float(np.sqrt(np.diag(stated_covariance(begun, found))[at][1]))
     assert abs(damping - DAMPING) < 2.0 * error
     assert predict(swinging, found).error.std() < 1.05 * found.rms
-
-
-@given(
-    resonance=st.floats(1.0, 20.0), damping=st.floats(0.005, 0.2), angle=st.floats(-np.pi, np.pi)
-)
-def test_a_swing_let_go_decays_as_its_damping_says(resonance, damping, angle):
-    """Torque of a free oscillator, from its equation: d'' = -(2 zeta w d' + w^2 d)."""
-    w, t = 2.0 * np.pi * resonance, np.arange(2000) * 1e-3 / resonance
-    roots = w * (-damping + 1j * np.sqrt(1.0 - damping**2))
-    d = np.exp(roots * t + 1j * angle)
-    signals = np.zeros((len(t), N_SIGNALS))
-    signals[1:, DT] = np.diff(t)
-    start = (d[0].real, (roots * d[0]).real)
-    torque = joint_elasticity.free_swing((resonance, damping), start, signals)
-    np.testing.assert_allclose(torque, (roots**2 * d).real, atol=1e-3 * w * w)
-
-
-@pytest.mark.parametrize("resonance", [5.0, 20.0])
-def test_a_driven_link_resonates_where_its_spring_says_at_few_samples(resonance):
-    """Torque under a motion of one frequency, from the transfer function of link and spring."""
-    step, damping = 4e-3, 0.03
-    t = step * np.arange(4000)
-    w = 2.0 * np.pi * resonance
-    numbers = np.array([resonance, damping, 1.0])
-    peak = 0.5 / damping
-    for part in (0.5, 0.97, 1.0, 1.03):
-        s = 1j * part * w
-        motion = np.exp(s * t)
-        wanted = -(s * s) / (s * s + 2.0 * damping * w * s + w * w)
-        X, found, sig = np.zeros(3), np.empty(len(t)), np.zeros(N_SIGNALS)
-        for k in range(len(t)):
-            sig[DT], sig[A] = step * (k > 0), motion[k].real
-            found[k] = joint_elasticity.torque(numbers, 0, sig, X, 0)
-        late = slice(3000, None)
-        error = found[late] - (wanted * motion).real[late]
-        assert np.abs(error).max() < 2e-3 * peak

@@ -96,24 +96,6 @@ def test_a_wrong_motor_constant_scales_the_rotor_too():
     np.testing.assert_allclose(found, wanted, atol=0.03)
 
 
-def test_a_contact_takes_its_part_of_the_load():
-    floor = '<geom type="plane" size="1 1 .1" pos="0 0 -.05"/>'
-    model = model_of(
-        ARM.format(step=1e-3, floor=floor), [(load_dependent.EFFECT, (1e-6,), (0.3,))], "a"
-    )
-    data = mujoco.MjData(model)
-    with fj.attach(model):
-        mujoco.mj_step(model, data, 1500)
-        mujoco.mj_forward(model, data)
-        torque = fj.torque(model, data)["a"]
-    hanging = geared_load(model, data, 0) + data.qfrc_constraint[0]
-    assert abs(hanging) > 5.0  # gravity, borne by the floor
-    load = geared_load(model, data, 0)
-    assert abs(load) < 0.3 * abs(hanging)
-    # at rest the torque stays where motion left it: nothing of the whole weight
-    assert abs(torque.effects["load-dependent"]) < 0.1 * abs(hanging)
-
-
 def test_the_loss_warms_the_joint():
     ambient, resistance, tau = 20.0, 30.0, 2.0
     model = model_of(
@@ -152,31 +134,6 @@ def test_the_loss_warms_the_joint():
         mujoco.mj_resetData(model, data)
         mujoco.mj_forward(model, data)
         assert fj.temperature(model, data) == {"j": ambient}
-
-
-@pytest.mark.parametrize(
-    ("effect", "shape"),
-    [
-        (temperature_dependent.EFFECT, (25.0, 40.0)),
-        (temperature_dependent.APART, (25.0, 40.0, 20.0)),
-    ],
-)
-def test_without_heating_a_temperature_stays_as_set(effect, shape):
-    model = model_of(TURNING, [(effect, shape, (0.5, 0.1))])
-    data = mujoco.MjData(model)
-    data.ctrl[0] = 1.0
-    with fj.attach(model):
-        mujoco.mj_step(model, data, 500)
-        assert fj.temperature(model, data) == {"j": 25.0}
-        assert fj.torque(model, data)["j"].effects["temperature-dependent"] == 0.0
-        fj.set_temperature(model, data, "j", 5.0)
-        other = mujoco.MjData(model)
-        mujoco.mj_copyData(other, model, data)
-        mujoco.mj_step(model, other, 500)
-        assert fj.temperature(model, other) == {"j": 5.0}
-        part = fj.torque(model, other)["j"].effects["temperature-dependent"]
-    level, viscous = (scale * math.expm1(20.0 / s) for scale, s in ((0.5, 40.0), (0.1, shape[-1])))
-    assert part == pytest.approx(level + viscous * other.qvel[0], rel=1e-2)
 
 
 @pytest.mark.parametrize(

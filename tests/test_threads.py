@@ -1,7 +1,5 @@
 """Threads: one for linear algebra, several for the points of a search, and the same numbers."""
 
-import multiprocessing
-
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
@@ -13,7 +11,7 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
-from frictionjoint.threads import one_thread, side_by_side
+from frictionjoint.threads import one_thread
 
 FORMS = (*INTEGRATED[:2], *forms_of("lugre"))
 
@@ -47,20 +45,3 @@ def test_any_number_of_threads_gives_the_same_fit(prepared, monkeypatch):
         assert other.shape == alone.shape
         np.testing.assert_array_equal(other.beta, alone.beta)
         np.testing.assert_array_equal(other.jacobian, alone.jacobian)
-
-
-def test_a_process_forked_after_a_fit_fits_too(prepared, monkeypatch):
-    """It has none of the threads of the process it came from."""
-    rms = fitted(prepared, 2, monkeypatch).rms
-    with multiprocessing.get_context("fork").Pool(1) as pool:
-        assert pool.apply_async(_rms, (prepared,)).get(timeout=120) == rms
-
-
-def _rms(prepared: Prepared) -> float:
-    return fit(prepared, forms=FORMS).rms
-
-
-def test_an_error_in_a_thread_is_raised(monkeypatch):
-    monkeypatch.setattr(workers, "_allowed", 3)
-    with side_by_side() as each, pytest.raises(ZeroDivisionError):
-        list(each(lambda x: 1 / x, [2, 1, 0]))

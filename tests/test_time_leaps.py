@@ -4,14 +4,12 @@ import mujoco
 import numpy as np
 import pytest
 from mujoco import rollout
-from test_state import ARM, FRICTION, model, push, run
+from test_state import ARM, FRICTION, model, run
 
 import frictionjoint as fj
 from frictionjoint.effects import warm_up_drift
 from frictionjoint.joint_friction import SimulatedEffect
-from frictionjoint.simulate.row import LEAP
 
-STEP = 1e-3
 FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 APPLIED = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
 
@@ -44,41 +42,6 @@ def test_rollouts_from_states_of_increasing_time_equal_fresh_ones(integrator, th
             fresh.qfrc_applied[:] = control[0, 0]
             mujoco.mj_step(m, fresh, nstep=steps)
             np.testing.assert_array_equal(reached[1:3], fresh.qpos)
-
-
-@pytest.mark.parametrize("backend", ["native", "python"])
-def test_the_longest_gap_that_is_motion(backend):
-    """Up to LEAP time steps the displacement counts, beyond it the joint is as never moved."""
-    m = model()
-
-    def torque(gap: float) -> float:
-        data = mujoco.MjData(m)
-        mujoco.mj_forward(m, data)
-        data.time, data.qpos[:] = STEP, 1e-5
-        mujoco.mj_forward(m, data)
-        data.time, data.qpos[:] = STEP + gap, 2e-5
-        mujoco.mj_forward(m, data)
-        return float(data.qfrc_passive[0])
-
-    with fj.attach(m, backend):
-        moved = torque(STEP)
-        assert moved < -0.1
-        assert torque(LEAP * STEP * (1 - 1e-9)) == pytest.approx(moved, rel=0.02)
-        assert torque(LEAP * STEP * (1 + 1e-9)) == 0.0
-
-
-def test_a_time_step_made_shorter_during_a_run_is_no_leap():
-    m = model()
-    data, other = mujoco.MjData(m), mujoco.MjData(m)
-    with fj.attach(m):
-        run(m, data, 100)
-        m.opt.timestep = STEP / 20
-        push(data)
-        mujoco.mj_forward(m, data)
-        assert abs(data.qfrc_passive[0]) > 0.1
-        mujoco.mj_copyData(other, m, data)
-        mujoco.mj_forward(m, other)
-        np.testing.assert_array_equal(other.qfrc_passive, data.qfrc_passive)
 
 
 @pytest.mark.parametrize("leap", [-0.5, 0.5])

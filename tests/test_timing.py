@@ -1,7 +1,5 @@
 """Times within a sample that no log tells: they pass for no inertia and no friction."""
 
-from dataclasses import replace
-
 import mujoco
 import numpy as np
 import pytest
@@ -9,21 +7,15 @@ import pytest
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.notes import timing_note
 from frictionjoint.diagnose.trace import trace
-from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import start_of
-from frictionjoint.identify.search import timed
-from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.terms import EffectTerm, age_of
-from frictionjoint.identify.timing import TargetTiming, VelocityAge
+from frictionjoint.identify.terms import age_of
+from frictionjoint.identify.timing import TargetTiming
 from frictionjoint.measured.log import JointLog
 from frictionjoint.rivals import StaticParameters
-from frictionjoint.robot.corrections import Corrections
-from frictionjoint.robot.inertia import of_model
-from frictionjoint.robot.joint import first_fit
 
 PD = Controller(output="torque_nm", kp=25.0, kd=0.8)
 # s: of a plant, whose controller ticks with it
@@ -69,13 +61,6 @@ def test_a_velocity_that_is_late_is_no_inertia():
     assert 0.0 < abs(age_of(found.final.terms)) <= TICK
 
 
-def test_an_inertia_that_is_searched_for_is_beside_no_age():
-    prepared = prepare([led(1, 3.0)], RigidBody(MODEL, "j"), controller=PD)
-    assert [type(t) for t in timed(prepared, (), INTEGRATED[0])] == [TargetTiming, VelocityAge]
-    inertia = EffectTerm(next(e for e in CATALOGUE if e.is_inertia))
-    assert [type(t) for t in timed(prepared, (inertia,), INTEGRATED[0])[1:]] == [TargetTiming]
-
-
 @pytest.mark.parametrize("held", [True, False], ids=["held", "moves on"])
 def test_a_target_between_the_rows_of_a_log_is_no_viscous_friction(held):
     """Half a row of 10 ms late, kp times that would be 0.125 N m s/rad: more than half of it."""
@@ -90,21 +75,3 @@ def test_a_target_between_the_rows_of_a_log_is_no_viscous_friction(held):
     cov = np.zeros([found.jacobian.shape[1]] * 2)
     (said,) = [note for note in timing_note(found, cov) if "Targets" in note]
     assert "ms earlier than if each was held until the next" in said
-
-
-def test_a_velocity_has_its_age_again_when_what_was_missing_is_known(tmp_path):
-    """Without the link's mass no age within a sample will do; with it, a rotor would make up."""
-    true, believed = tmp_path / "true.xml", tmp_path / "believed.xml"
-    true.write_text(MODEL)
-    believed.write_text(
-        MODEL.replace('mass="1" diaginertia="4e-3 4e-3', 'mass="0.3" diaginertia="1e-3 1e-3')
-    )
-    joint = first_fit([led(1), led(2)], believed, "j", None, PD)
-    known = of_model(mujoco.MjModel.from_xml_path(str(true)))[1]
-    right = joint.corrected(Corrections.none(joint.alongs[0].model).with_body(1, known))
-    assert VelocityAge.name in joint.prepared.nothing
-    for found in (right.refitted(), right.refitted(anew=True)):
-        (age,) = [t for t in found.fit.terms if isinstance(t, VelocityAge)]
-        assert 0.0 < abs(age.shape[0]) < 0.9 * TICK
-    rotor = joint.corrected(replace(right.alongs[0].state, armature={"j": 0.03})).refitted()
-    assert not any(isinstance(t, VelocityAge) for t in rotor.fit.terms)

@@ -5,12 +5,9 @@ import dataclasses
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import frictionjoint as fj
 from frictionjoint.effects import spring, torque_bias
-from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import ElastoplasticParameters, LuGreParameters, StaticParameters
 from tests.standing import plain_mass
@@ -109,30 +106,6 @@ def test_effects_are_read_one_by_one():
     assert read.total == pytest.approx(acted(m, data), rel=1e-12)
 
 
-@pytest.mark.parametrize("armature", [1.0, 1e-4])
-def test_after_a_step_it_is_what_acted_over_that_step(armature):
-    m = model(armature=armature, knots=((1e-5, 1.5), (1e-4, 3.2)))
-    data, largest = mujoco.MjData(m), 0.0
-    with fj.attach(m):
-        for k in range(200):
-            data.qfrc_applied[0] = 2.5 * np.sin(0.02 * k)
-            mujoco.mj_step(m, data)
-            read = fj.torque(m, data)["j"]
-            assert read.total == pytest.approx(acted(m, data), abs=1e-9)
-            largest = max(largest, abs(read.implicit))
-    assert largest > 0.01
-
-
-def test_without_an_implicit_step_the_parts_of_the_law_are_all():
-    m = model()
-    m.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    with fj.attach(m):
-        for data in pushed(m, 100):
-            read = fj.torque(m, data)["j"]
-            assert read.implicit == 0.0
-            assert read.total == -data.qfrc_passive[0]
-
-
 @pytest.mark.parametrize("load", [0.6, 1.02])
 @pytest.mark.parametrize("law", fj_laws())
 def test_a_joint_that_drifts_does_not_stick(law, load):
@@ -153,37 +126,6 @@ def test_a_joint_that_drifts_does_not_stick(law, load):
     assert went < 1e-6 if load < 1.0 else went > 1e-4
 
 
-@settings(max_examples=15, deadline=None)
-@given(
-    law=st.sampled_from(fj_laws()),
-    load=st.floats(0.0, 2.0),
-    swing=st.floats(0.0, 1.0),
-    inertia=st.floats(-3.0, 0.0).map(lambda x: 10.0**x),
-)
-def test_a_joint_that_goes_on_and_on_is_never_said_to_stick(law, load, swing, inertia):
-    """Under any steady load with a swing on it, as long as it is said to stick it only bends."""
-    spec = mujoco.MjSpec.from_string(JOINT.format(armature=inertia))
-    fj.install(spec, {"j": law})
-    m, sticks, places = spec.compile(), [], []
-    data = mujoco.MjData(m)
-    with fj.attach(m):
-        for k in range(1200):
-            data.qfrc_applied[0] = load + swing * np.sin(0.05 * k)
-            mujoco.mj_step(m, data)
-            sticks.append(fj.torque(m, data)["j"].sticks)
-            places.append(data.qpos[0])
-    late = slice(800, None)
-    went = np.diff(places[late])
-    # the bristles of these laws bend by less than this, rad
-    begin = 0
-    for k, stuck in enumerate([*sticks[801:], False]):
-        if not stuck:
-            assert abs(went[begin:k].sum()) < 1e-3
-            begin = k + 1
-    if load - swing > 1.1:
-        assert not any(sticks[late])
-
-
 @pytest.mark.parametrize("law", LAWS)
 def test_a_joint_sticks_below_breakaway_and_slips_beyond(law):
     m = model(law)
@@ -195,43 +137,3 @@ def test_a_joint_sticks_below_breakaway_and_slips_beyond(law):
             read = fj.torque(m, data)["j"]
         assert read.sticks is sticks
         assert read.time == pytest.approx(data.time - m.opt.timestep)
-
-
-def test_before_the_first_step_nothing_acts():
-    m = model(effects=[SimulatedEffect(torque_bias.EFFECT, (), (0.25,))])
-    read = fj.torque(m, mujoco.MjData(m))["j"]
-    assert (read.total, dict(read.effects), read.sticks) == (0.0, {"torque-bias": 0.0}, True)
-    assert np.isnan(read.time)
-    assert read.temperature is None
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        read.total = 1.0
-
-
-def test_a_model_without_friction_and_wrong_types_are_refused():
-    bare = mujoco.MjModel.from_xml_string(JOINT.format(armature=1))
-    with pytest.raises(ModelError, match="has no friction"):
-        fj.torque(bare, mujoco.MjData(bare))
-    with pytest.raises(TypeError, match=r"takes a mujoco\.MjData, not mujoco.*MjModel"):
-        fj.torque(bare, bare)
-
-
-def test_a_user_sensor_carries_it():
-    m = model()
-
-    def sensor(model, data, stage):
-        if stage == mujoco.mjtStage.mjSTAGE_ACC:
-            read = fj.torque(model, data)["j"]
-            data.sensor("friction").data[:] = read.total, read.sticks
-
-    data = mujoco.MjData(m)
-    try:
-        with fj.attach(m):
-            mujoco.set_mjcb_sensor(sensor)
-            for _ in range(300):
-                data.qfrc_applied[0] = 2.5
-                mujoco.mj_step(m, data)
-            mujoco.mj_forward(m, data)
-            assert data.sensor("friction").data[0] == pytest.approx(acted(m, data), abs=1e-12)
-            assert data.sensor("friction").data[1] == 0.0
-    finally:
-        mujoco.set_mjcb_sensor(None)

@@ -62,14 +62,6 @@ def test_without_a_display_one_line_says_so(carrying, display, monkeypatch):
     assert display == []
 
 
-def test_without_a_viewer_one_line_says_so(carrying, monkeypatch):
-    monkeypatch.setitem(sys.modules, "mujoco.viewer", None)
-    done = run("view", "arm.xml", cwd=carrying)
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert "viewer cannot be loaded" in done.stderr
-
-
 def test_a_model_without_friction_is_refused(tmp_path, display):
     (tmp_path / "bare.xml").write_text(JOINT)
     done = run("view", "bare.xml", cwd=tmp_path)

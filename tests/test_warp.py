@@ -22,10 +22,9 @@ from frictionjoint.rivals import (
     StaticParameters,
 )
 from frictionjoint.simulate.block import ROW
-from frictionjoint.simulate.carrier import read_friction, resolve
+from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import FRONT, evaluate, row_size
-from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
 
 mjw = pytest.importorskip("mujoco_warp")
 wp = pytest.importorskip("warp")
@@ -222,36 +221,6 @@ def test_warp_computes_every_effect_as_the_library_does():
 # against the native callback
 
 
-def test_stick_slip_of_the_kuka_joint():
-    """Sticks, slips from 0.55 s to 1.25 s, and sticks again."""
-    mjm = fj.load_model(kuka_model())
-    p = read_friction(mjm)[JOINT].parameters
-    m, d = worlds(mjm, 1)
-    data = mujoco.MjData(mjm)
-    ours, theirs = [], []
-    with fj.attach(mjm), attach_warp(m, d, mjm):
-        for k in range(1350):
-            target = np.float32(SPEED * 1e-3 * k)
-            data.ctrl[0] = target
-            mujoco.mj_step(mjm, data)
-            d.ctrl.fill_(float(target))
-            mjw.step(m, d)
-            theirs.append([data.qpos[0], data.qvel[0]])
-            ours.append([d.qpos.numpy()[0, 0], d.qvel.numpy()[0, 0]])
-    q, v = np.array(theirs).T
-    assert v.max() > 0.2
-    assert abs(v[-1]) < 5e-3
-    # A float is off by up to EPS q, the friction by K EPS q; break-away comes when the target has
-    # moved that much further, and from then on the joint is off by its speed times that.
-    kp = mjm.actuator_gainprm[0, 0]
-    breaks_away = np.abs(q[np.argmax(v > SPEED / 10)])
-    late = p.stiffness * EPS * breaks_away / (kp * SPEED)
-    bound = 10 * (v.max() * late + EPS * np.abs(q).max())  # ten: roundings of many steps
-    assert bound < 1e-6
-    assert np.abs(np.array(ours)[:, 0] - q).max() < bound
-    assert np.abs(np.array(ours)[:, 1] - v).max() < 10 * bound
-
-
 def test_presliding_loops_remember_the_same_extrema():
     mjm = arm()
     at = resolve(mjm)
@@ -326,40 +295,6 @@ def test_a_stiff_joint_is_held(ratio):
     assert np.ptp(q) < 1e-9
 
 
-FOUR_BAR = """<mujoco><option timestep="1e-3" integrator="implicitfast"/>
-<default><geom type="capsule" size=".01" mass=".2" contype="0" conaffinity="0"/></default>
-<worldbody><body><joint name="j0" axis="0 1 0"/><geom fromto="0 0 0 0 0 .2"/>
-<body name="b" pos="0 0 .2"><joint name="j1" axis="0 1 0"/><geom fromto="0 0 0 .3 0 0"/></body>
-</body>
-<body name="c" pos=".3 0 0"><joint name="j2" axis="0 1 0"/><geom fromto="0 0 0 0 0 .2"/></body>
-</worldbody><equality><connect body1="b" body2="c" anchor=".3 0 0"/></equality></mujoco>"""
-
-
-@pytest.mark.parametrize("ratio", [1.0, 8.0])
-def test_a_closed_linkage_is_held(ratio):
-    """As natively, to single floats: 0.3 N m on joints that break away at 0.5 N m."""
-    spec = mujoco.MjSpec.from_string(FOUR_BAR)
-    inverse = spec.copy().compile().dof_invweight0
-    for name, weight in zip(("j0", "j1", "j2"), inverse, strict=True):
-        K = (ratio / STEP) ** 2 / weight
-        knots = ((0.5 / K, 0.5), (5.0 / K, 1.1))
-        fj.install(spec, {name: friction(Fs=0.5, Fc=0.35, sigma1=0.0, sigma2=0.0, knots=knots)})
-    mjm = spec.compile()
-    m, d = worlds(mjm, 1)
-    data = mujoco.MjData(mjm)
-    late = []
-    with fj.attach(mjm), attach_warp(m, d, mjm):
-        for k in range(1500):
-            pull = [0.3 * min(1.0, k / 500), 0.0, 0.0]
-            data.qfrc_applied[:] = np.float32(pull)
-            mujoco.mj_step(mjm, data)
-            got = step(m, d, [pull])[0]
-            if k >= 1400:
-                late.append(got)
-    assert np.abs(np.array(late)[:, 3:]).max() < 1e-5
-    np.testing.assert_allclose(late[-1][:3], data.qpos, rtol=0, atol=2e-6)
-
-
 @pytest.mark.parametrize("damping_ratio", [2.5, 25.0])
 def test_viscous_friction_beyond_the_explicit_limit_only_brakes(damping_ratio):
     sigma2 = damping_ratio * INERTIA / STEP
@@ -390,24 +325,6 @@ def test_a_joint_far_from_zero_is_held_as_quietly_as_at_zero():
     assert np.abs(here[:, 0] - there[:, 0]).max() < EPS * 3.0 / warp_kernel.PULL
 
 
-def test_the_place_friction_counts_does_not_part_from_the_one_shown():
-    """A speed of 0.6 of a float's spacing a step is shown as a whole one, always the same way."""
-    mjm = hinge(0.4)
-    m, d = worlds(mjm, 1)
-    spacing = float(np.spacing(np.float32(3.0)))
-    d.qpos.fill_(3.0)
-    mjw.forward(m, d)  # for the inertia
-    with attach_warp(m, d, mjm) as friction:
-        for k in range(2000):
-            d.time.fill_(STEP * k)
-            d.qpos.fill_(3.0 + k * spacing)
-            d.qvel.fill_(0.6 * spacing / STEP)
-            m.callback.passive(m, d)
-        place = friction.state.numpy()[0, warp_kernel.PLACE]
-    apart = abs(place - d.qpos.numpy()[0, 0])
-    assert 10 * spacing < apart < 0.5 * spacing / warp_kernel.PULL
-
-
 # many worlds, and the rule that commits
 
 
@@ -417,27 +334,6 @@ def test_worlds_do_not_touch_each_other():
     together = run(mjm, 150, which)
     for i, world in enumerate(which):
         np.testing.assert_array_equal(together[:, i], run(mjm, 150, (world,))[:, 0])
-
-
-def test_calls_between_steps_change_nothing():
-    mjm = arm()
-
-    def forward(m, d, friction, k):
-        for _ in range(k % 3):
-            mjw.forward(m, d)
-
-    np.testing.assert_array_equal(run(mjm, 200), run(mjm, 200, between=forward))
-
-
-def test_time_set_back_starts_afresh():
-    mjm = arm()
-    m, d = worlds(mjm, 2)
-    with attach_warp(m, d, mjm):
-        tracks = []
-        for _ in range(2):
-            mjw.reset_data(m, d)
-            tracks.append([step(m, d, [load(1e-3 * k), load(1e-3 * k, 4)]) for k in range(120)])
-    np.testing.assert_array_equal(*tracks)
 
 
 @pytest.mark.parametrize("kind", ["numpy", "warp"])
@@ -480,25 +376,6 @@ def test_every_world_may_have_its_own_parameters():
         assert np.ptp(acting.parameters.numpy(), axis=0).max() == 0.0
 
 
-def test_a_saved_state_goes_on_as_before():
-    mjm = arm()
-    m, d = worlds(mjm, 2)
-    with attach_warp(m, d, mjm) as friction:
-        for k in range(100):
-            step(m, d, [load(1e-3 * k, w) for w in (0, 2)])
-        kept = {name: wp.clone(getattr(d, name)) for name in ("time", "qpos", "qvel")}
-        state = wp.clone(friction.state)
-        tracks = []
-        for _ in range(2):
-            for name, array in kept.items():
-                wp.copy(getattr(d, name), array)
-            wp.copy(friction.state, state)
-            tracks.append(
-                [step(m, d, [load(1e-3 * k, w) for w in (0, 2)]) for k in range(100, 180)]
-            )
-    np.testing.assert_array_equal(*tracks)
-
-
 def test_a_world_gone_astray_neither_hangs_nor_spreads():
     mjm = arm()
     m, d = worlds(mjm, 3)
@@ -520,43 +397,6 @@ def test_a_world_gone_astray_neither_hangs_nor_spreads():
     np.testing.assert_array_equal(np.array(again)[:, 0], run(mjm, 20)[:, 0])
 
 
-def test_a_late_clock_is_as_good_as_an_early_one():
-    # after a thousand seconds a single float counts in steps of 0.06 ms
-    mjm = arm()
-    m, d = worlds(mjm, 2)
-    with attach_warp(m, d, mjm):
-        d.time.assign(np.array([0.0, 1000.0], dtype=np.float32))
-        for k in range(300):
-            early, late = step(m, d, [load(1e-3 * k)] * 2)
-    np.testing.assert_allclose(early, late, rtol=0, atol=1e-6)
-
-
-def test_a_callback_that_was_there_still_acts_and_returns():
-    mjm = arm()
-    m, d = worlds(mjm, 1)
-    calls = []
-
-    def theirs(m, d):
-        calls.append(1)
-
-    m.callback.passive = theirs
-    with attach_warp(m, d, mjm):
-        mjw.step(m, d)
-        assert calls == [1]
-    assert m.callback.passive is theirs
-    mjw.step(m, d)
-    assert calls == [1, 1]
-
-
-def test_friction_acts_no_longer_once_detached():
-    mjm = arm()
-    m, d = worlds(mjm, 1)
-    attach_warp(m, d, mjm).detach()
-    here = step(m, d, [load(0.2)])
-    bare = step(*worlds(mjm, 1), [load(0.2)])
-    np.testing.assert_array_equal(here, bare)
-
-
 # refusals
 
 
@@ -574,32 +414,6 @@ def test_disabled_passive_forces_are_refused():
         attach_warp(*worlds(mjm, 1), mjm)
 
 
-def test_a_model_without_friction_is_refused():
-    mjm = mujoco.MjModel.from_xml_string(ARM.format(integrator="Euler"))
-    with pytest.raises(ModelError, match="has no friction"):
-        attach_warp(*worlds(mjm, 1), mjm)
-
-
-def test_another_model_is_refused():
-    with pytest.raises(ModelError, match="not made from this MjModel"):
-        attach_warp(*worlds(fj.load_model(kuka_model()), 1), arm())
-
-
-def test_a_second_attach_is_refused():
-    mjm = arm()
-    m, d = worlds(mjm, 1)
-    with attach_warp(m, d, mjm), pytest.raises(ModelError, match="attached already"):
-        attach_warp(m, d, mjm)
-
-
-def test_other_data_is_refused():
-    mjm = arm()
-    m, d = worlds(mjm, 1)
-    other = mjw.make_data(mjm, nworld=1)
-    with attach_warp(m, d, mjm), pytest.raises(ModelError, match="another mujoco_warp Data"):
-        mjw.step(m, other)
-
-
 def test_parameters_that_do_not_fit_are_refused():
     mjm = arm()
     m, d = worlds(mjm, 2)
@@ -610,13 +424,6 @@ def test_parameters_that_do_not_fit_are_refused():
             acting.set_parameters("a", [friction()] * 3)
         with pytest.raises(ModelError, match="keep law and number of knots"):
             acting.set_parameters("a", RIVALS[0])
-
-
-def test_a_mask_of_another_length_is_refused():
-    mjm = arm()
-    m, d = worlds(mjm, 2)
-    with attach_warp(m, d, mjm) as friction, pytest.raises(ModelError, match="2 worlds"):
-        friction.reset(np.array([True]))
 
 
 def test_without_mujoco_warp_the_extra_is_named(monkeypatch):

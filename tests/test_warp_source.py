@@ -1,7 +1,6 @@
 """The kernels stay within what can be made into warp functions; needs no warp."""
 
 import ast
-import re
 
 import pytest
 
@@ -29,13 +28,6 @@ def test_all_laws_and_effects_are_translated_callees_first():
         seen.add(name)
         called = {n.func.id for n in ast.walk(function) if hasattr(getattr(n, "func", 0), "id")}
         assert called & set(found) <= seen
-
-
-def test_every_number_is_a_double():
-    for function in functions(source(KERNELS, 66)).values():
-        text = "\n".join(map(ast.unparse, function.body[bool(ast.get_docstring(function)) :]))
-        numbers = re.finditer(r"(?<![\w.])-?(\d+\.\d*|\d+e)", text)
-        assert all(text[: n.start()].endswith("wp.float64(") for n in numbers)
 
 
 @compiled

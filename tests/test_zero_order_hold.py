@@ -67,7 +67,3 @@ def test_a_held_torque_leaves_no_more_than_the_noise(motion, rate, bits, tmp_pat
 @pytest.mark.parametrize(("motion", "rate", "bits", "friction"), SMOOTH)
 def test_a_smooth_torque_is_left_as_it_is(motion, rate, bits, friction, tmp_path):
     assert not logs_of(tmp_path, motion, rate, bits, False, friction).band.zero_order_hold
-
-
-def test_of_a_fast_log_it_is_not_asked(tmp_path):
-    assert not logs_of(tmp_path, six_sines, 4000.0, 20, held=True).band.zero_order_hold
