@@ -14,10 +14,11 @@ import mujoco
 import numpy as np
 from mujoco import sysid
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
+sys.path.append(str(Path(__file__).resolve().parents[1] / "lab"))  # plants
+from plants.friction import ATTRACTION, gms, maxwell_elements, stribeck
+
 import frictionjoint as fj
 from frictionjoint.simulate.sysid import build_model, friction_parameters, identified, rollout
-from tests.plants.friction import ATTRACTION, gms, maxwell_elements, stribeck
 
 ARM = """
 <mujoco>

@@ -3,7 +3,7 @@
     python lab/interval_coverage.py --plants 60 --out coverage.jsonl
     python lab/interval_coverage.py --plants 0 --out coverage.jsonl   only the table
 
-Test joints without an effect and with one, in turn, from `tests/plants`; the loop reads three of
+Test joints without an effect and with one, in turn, from `lab/plants`; the loop reads three of
 their four logs, as in `trials.py`. A row per test joint is added to the file, and a seed that is
 there is not run again. A plant counts where all its effects were named. Printed for the sandwich
 over blocks of time alone, and for what the report states: the fraction of 95% intervals that
@@ -21,8 +21,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from plants.answers import logged_friction
+from plants.draw import draw_trial
+from plants.plant import simulate, write
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.errors import FrictionJointError
@@ -35,9 +37,6 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.readers import read_log
-from tests.plants.answers import logged_friction
-from tests.plants.draw import draw_trial
-from tests.plants.plant import simulate, write
 
 _NORMAL = 1.96
 # an effect's coefficient, the test joint's number that it is, and their ratio

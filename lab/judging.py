@@ -2,7 +2,7 @@
 
 Three families of test joints, distinguished by the layout of their answer.json:
 
-    kinds, accept, variable, family     `make_plants.py`, from `tests/plants`
+    kinds, accept, variable, family     `make_plants.py`, from `lab/plants`
     kinds, accept, variable, effects    a third author, `python -m lab.third_hand`
     kind                                one kind each; unknown-... is outside the catalogue
 
@@ -21,7 +21,7 @@ import numpy as np
 
 from frictionjoint.measured.lowpass import gentle
 
-OURS, SECOND, THIRD = "tests/plants", "second hand", "third hand"
+OURS, SECOND, THIRD = "lab/plants", "second hand", "third hand"
 NOTHING = "none"
 # the second hand's kinds that go by another name too, and quantities that those outside the
 # catalogue act through

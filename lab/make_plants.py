@@ -1,4 +1,4 @@
-"""Writes test joints of `tests/plants` as folders for `trials.py`.
+"""Writes test joints of `lab/plants` as folders for `trials.py`.
 
     python lab/make_plants.py OUT --n 40 --seed 7
     python lab/make_plants.py OUT --n 6 --seed 7 --kinds none one:backlash two unknown:gust
@@ -17,12 +17,10 @@ from typing import Any
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from judging import OURS
-
-from tests.plants import catalogue
-from tests.plants.draw import draw_trial
-from tests.plants.plant import Trial, simulate, write
+from plants import catalogue
+from plants.draw import draw_trial
+from plants.plant import Trial, simulate, write
 
 KINDS, ODDS = ("none", "one", "two", "unknown"), (0.2, 0.4, 0.2, 0.2)
 # cause and effect of one thing: either name is right
@@ -73,7 +71,7 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--n", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--kinds", nargs="*", help="in turn; as tests/plants/draw.py names them")
+    parser.add_argument("--kinds", nargs="*", help="in turn; as lab/plants/draw.py names them")
     asked = parser.parse_args()
     rng = np.random.default_rng(asked.seed)
     drawn = [str(rng.choice(KINDS, p=ODDS)) for _ in range(asked.n)]

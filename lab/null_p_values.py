@@ -9,7 +9,6 @@ test of Kolmogorov and Smirnov against uniformity, and how often anything was ad
 
 import argparse
 import json
-import sys
 import warnings
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -17,16 +16,14 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from plants.plant import simulate, write
+from plants.spec import Controller, Friction, Instrument, Motion, PlantSpec
 from scipy.stats import kstest
-
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.readers import read_log
-from tests.plants.plant import simulate, write
-from tests.plants.spec import Controller, Friction, Instrument, Motion, PlantSpec
 
 _BINS = 10
 

@@ -8,13 +8,11 @@ python lab/paper_figures.py --write                 writes lab/notes/paper.md an
 import argparse
 import importlib
 import json
-import sys
 from pathlib import Path
 
 from paper.claim import Claim
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.append(str(ROOT))  # tests.plants
 NAMES = (
     "constant_velocity",
     "whisker",
@@ -30,7 +28,7 @@ HEAD = """# What the paper claims, and what is found
 Every claim of Ganseman, Swevers, Prajogo and Al-Bender (1997), run with this package's law. The
 curves of the paper survive only as pictures, so no figure here is a fit to them; what is compared
 are the claims. This page is written by `python lab/paper_figures.py --write`;
-`tests/test_paper.py` and `tests/test_weaknesses.py` hold its numbers to account.
+`lab/tests/test_paper.py` and `lab/tests/test_weaknesses.py` hold its numbers to account.
 
 """
 

@@ -13,7 +13,6 @@ whose own mass is wrong is one body to any log: then the mass of both together i
 
 import argparse
 import json
-import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -21,11 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from frictionjoint.errors import FrictionJointError
-from frictionjoint.robot.shared import Shared, shared_causes
-from tests.arms.arm import (
+from arms.arm import (
     Arm,
     geared,
     hide_coupling,
@@ -37,7 +32,10 @@ from tests.arms.arm import (
     hide_tilt,
     random_arm,
 )
-from tests.arms.fitted import fitted_joints
+from arms.fitted import fitted_joints
+
+from frictionjoint.errors import FrictionJointError
+from frictionjoint.robot.shared import Shared, shared_causes
 
 KINDS = (
     "payload",

@@ -2,7 +2,7 @@
 
     python lab/round_trip.py [--effects NAME...] [--search] [--seconds 12] [--seed N] > table.md
 
-For each effect a plant of another hand that has it is logged: `tests/plants` (MuJoCo's own parts, a
+For each effect a plant of another hand that has it is logged: `lab/plants` (MuJoCo's own parts, a
 LuGre joint), of effects of the drive `tests/servo_plant` (MuJoCo's own friction under a firmware).
 A fit with the effect, or with --search the whole search, gives a model; the model is written as an
 MJCF, loaded, and moved along the same targets by the same controller, its log taken from its own

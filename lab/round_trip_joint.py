@@ -1,13 +1,16 @@
-"""The round trip of an effect of the joint, on test joints of `tests/plants`; see `round_trip`."""
+"""The round trip of an effect of the joint, on test joints of `lab/plants`; see `round_trip`."""
 
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
+from plants import motion
+from plants.draw import draw_trial
+from plants.loop import INDEX
+from plants.plant import assemble, constants, simulate, write
+from plants.spec import PlantSpec
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.diagnose.spectrum import periodic_terms
@@ -32,11 +35,6 @@ from frictionjoint.replay.free_runs import friction_spec, motor_of, replay, repl
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import load_model
 from frictionjoint.simulate.thermal import set_temperature
-from tests.plants import motion
-from tests.plants.draw import draw_trial
-from tests.plants.loop import INDEX
-from tests.plants.plant import assemble, constants, simulate, write
-from tests.plants.spec import PlantSpec
 
 SATURATION = "motor-saturation"
 # A test joint each, by the seed it is drawn from

@@ -5,7 +5,7 @@
 
 A FOLDER is a plant, or holds plants: fit*.csv, held.csv, model.xml (what the user believes about
 the joint) and answer.json (what it is in truth; read for the judgement, never by the search). See
-`judging.py` for the families, `make_plants.py` for test joints of `tests/plants`.
+`judging.py` for the families, `make_plants.py` for test joints of `lab/plants`.
 
 Each plant runs in one thread as `close-loop` would search its logs, and is a row of the file as
 soon as it is done; a plant that has a row is not run again. The error of the held-out log counts

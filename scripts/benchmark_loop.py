@@ -4,7 +4,7 @@
     python scripts/benchmark_loop.py --against 645f3a0 --data DIR     XL330 and EMPS too
     python scripts/benchmark_loop.py --seconds 15 --cores 2 --json
 
-A log at 1 kHz of a test joint of `tests/plants` with generalized Maxwell-slip friction and cogging;
+A log at 1 kHz of a test joint of `lab/plants` with generalized Maxwell-slip friction and cogging;
 of the XL330 the logs at kp 400 held out, of EMPS the last third. Every measurement has a process of
 its own, held to its cores, and so a peak memory of its own, libraries included. The earlier commit
 is taken out of git into a temporary folder; both read the same files, in turns. What is
@@ -41,9 +41,9 @@ class Case(NamedTuple):
 
 def made(seconds: float, folder: Path) -> Case:
     """A joint with a load on a lever and cogging, led by a multisine, then by ramps."""
-    sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
-    from tests.plants.plant import simulate, write
-    from tests.plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
+    sys.path.append(str(Path(__file__).resolve().parents[1] / "lab"))  # plants
+    from plants.plant import simulate, write
+    from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
     spec = PlantSpec(
         mass=1.0,

@@ -9,8 +9,8 @@ The plant is a geared arm with a gravity load, generalised Maxwell-slip friction
 import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
-from tests.plants.plant import (
+sys.path.append(str(Path(__file__).resolve().parents[1] / "lab"))  # plants
+from plants.plant import (
     Controller,
     Effect,
     Friction,

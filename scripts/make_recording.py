@@ -10,8 +10,8 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.plants
-from tests.plants.plant import (
+sys.path.append(str(Path(__file__).resolve().parents[1] / "lab"))  # plants
+from plants.plant import (
     Controller,
     Effect,
     Friction,

@@ -15,10 +15,9 @@ import pytest
 from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parents[1]
-# what judges trials, and the figures of the paper
+# simulated joints and arms of the laboratory
 sys.path[:0] = [str(ROOT / name) for name in ("examples", "lab", "scripts")]
-# plants have one name everywhere, tests.plants: numba's cache of them holds it. Last, so that an
-# installed frictionjoint is the one that is tested
+# last, so that an installed frictionjoint is the one that is tested
 sys.path.append(str(ROOT))
 
 # first examples compile kernels: a deadline would time the compiler

@@ -3,13 +3,13 @@
 import mujoco
 import numpy as np
 import pytest
+from arms.arm import random_arm
+from arms.fitted import joint_logs
 
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.robot.joint import first_fit
-from tests.arms.arm import random_arm
-from tests.arms.fitted import joint_logs
 
 
 def with_belt(mjcf: str) -> str:

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from command_line import run
+from plants.plant import Friction, Motion, simulate, write
 from test_cli import LOG, MODEL
 from trial_logs import quiet
 
@@ -17,7 +18,6 @@ from frictionjoint.identify.start import predict
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.readers import read_log
-from tests.plants.plant import Friction, Motion, simulate, write
 
 FS, FC, VS, SIGMA2, STIFFNESS = 0.8, 0.5, 0.1, 0.1, 400.0
 # the plants' names of laws that the package has too

@@ -93,7 +93,7 @@ def test_every_closed_cycle_dissipates(seed, n, width, share, speeds):
     """Nothing is gained once the state repeats; something is lost where a leg runs into sliding.
 
     The 2002 form promises it at any speeds, the 1997 form where the level is constant: see
-    test_weaknesses for what it may gain otherwise.
+    lab/tests/test_weaknesses.py for what it may gain otherwise.
     """
     p = dry(seed, n)
     if p.variant == "ganseman1997":

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.notes import timing_note
@@ -12,7 +13,6 @@ from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, delay_of
-from tests.plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 DELAY = EffectTerm(measurement_delay.EFFECT, (0.0,))
 

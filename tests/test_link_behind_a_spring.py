@@ -5,6 +5,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from plants.plant import simulate, write
+from plants.spec import Effect, Friction, Motion
 from round_trip_joint import joint_trip, plant
 from trial_logs import PENDULUM
 
@@ -14,8 +16,6 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.readers import read_log
-from tests.plants.plant import simulate, write
-from tests.plants.spec import Effect, Friction, Motion
 
 
 def test_a_heavy_link_comes_back_with_the_spring_it_has(tmp_path):

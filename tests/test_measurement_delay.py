@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plants.draw import draw_trial
 from trial_logs import prepared_logs
 
 from frictionjoint.control.controller import Controller
@@ -16,7 +17,6 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog
-from tests.plants.draw import draw_trial
 
 DELAY = 8e-3
 

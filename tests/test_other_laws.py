@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from plants.spec import Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.other_laws import OtherLaws
@@ -11,7 +12,6 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.starts import fit
-from tests.plants.spec import Motion
 
 
 @pytest.fixture(scope="module")

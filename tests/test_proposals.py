@@ -5,6 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plants import motion as paths
+from plants.plant import (
+    Controller,
+    Effect,
+    Friction,
+    Instrument,
+    Motion,
+    assemble,
+    control_period,
+    follow,
+)
 from trial_logs import quiet
 
 from frictionjoint.diagnose.motions import Limits, family, least_travel
@@ -19,17 +30,6 @@ from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
-from tests.plants import motion as paths
-from tests.plants.plant import (
-    Controller,
-    Effect,
-    Friction,
-    Instrument,
-    Motion,
-    assemble,
-    control_period,
-    follow,
-)
 
 PLANT = replace(
     quiet(),

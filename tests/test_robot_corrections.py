@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from arms.arm import random_arm
+from arms.run import motion
 
 from frictionjoint.effects.signals import GEAR, LOAD
 from frictionjoint.identify.design import kept
@@ -25,8 +27,6 @@ from frictionjoint.robot.corrections import (
     tendons_bend,
     write_corrections,
 )
-from tests.arms.arm import random_arm
-from tests.arms.run import motion
 
 JOINTS = ("j1", "j2", "j3")
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from arms.arm import hide_mass, hide_payload, random_arm
+from arms.fitted import fitted_joints
 
 from frictionjoint.robot.causes.body_inertia import BodyInertia
 from frictionjoint.robot.causes.payload import Payload
@@ -10,8 +12,6 @@ from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
-from tests.arms.arm import hide_mass, hide_payload, random_arm
-from tests.arms.fitted import fitted_joints
 
 
 @pytest.fixture(scope="module")

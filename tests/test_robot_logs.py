@@ -5,14 +5,14 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from arms.arm import hide_mass, random_arm
+from arms.fitted import joint_logs
 
 from frictionjoint.errors import LogError
 from frictionjoint.identify.driven_joints import joints_to_explain
 from frictionjoint.measured.readers import joints_with_drive
 from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.logs import read_robot
-from tests.arms.arm import hide_mass, random_arm
-from tests.arms.fitted import joint_logs
 
 COLUMNS = {
     "j1": ("position_rad", "torque_nm"),

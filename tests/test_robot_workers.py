@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from arms.arm import random_arm
+from arms.run import run, write_csv
 
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.robot.close_loop import _first
 from frictionjoint.robot.explain import State, Task
 from frictionjoint.robot.logs import read_robot
 from frictionjoint.robot.workers import workers
-from tests.arms.arm import random_arm
-from tests.arms.run import run, write_csv
 
 
 @pytest.fixture(scope="module")

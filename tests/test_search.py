@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plants.plant import simulate, write
+from plants.spec import Effect, Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
@@ -20,8 +22,6 @@ from frictionjoint.identify.result import law_parameters, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.readers import read_log
 from tests.planting import planted
-from tests.plants.plant import simulate, write
-from tests.plants.spec import Effect, Motion
 
 # 24 s at 250 Hz on a LuGre joint
 PLANT = replace(PENDULUM, instrument=replace(PENDULUM.instrument, rate=250.0))

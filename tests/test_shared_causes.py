@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-
-from frictionjoint.robot.shared import Shared, shared_causes
-from tests.arms.arm import (
+from arms.arm import (
     Arm,
     hide_mass,
     hide_payload,
@@ -14,7 +12,9 @@ from tests.arms.arm import (
     hide_warming,
     random_arm,
 )
-from tests.arms.fitted import fitted_joints
+from arms.fitted import fitted_joints
+
+from frictionjoint.robot.shared import Shared, shared_causes
 
 SECONDS = 8.0
 

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plants.plant import simulate, write
+from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.effects.signals import N_SIGNALS, TIME, Q
@@ -18,8 +20,6 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
-from tests.plants.plant import simulate, write
-from tests.plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 FC = 0.5
 # a pendulum that friction holds aside: moves from one rest to another

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from plants.spec import Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.identify.shape import INTEGRATED
@@ -11,7 +12,6 @@ from frictionjoint.identify.weights import (
     errors_of,
     reweighed,
 )
-from tests.plants.spec import Motion
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,13 @@
 from dataclasses import replace
 from pathlib import Path
 
+from plants.plant import simulate, write
+from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
+
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.measured.readers import read_log
-from tests.plants.plant import simulate, write
-from tests.plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
 
 PENDULUM = PlantSpec(
     mass=1.0,

@@ -1,6 +1,6 @@
 """A joint that is not ours: the KUKA's first axis with Maxwell-slip or LuGre friction.
 
-Integrated by a fixed fine step with the test joints' own friction (tests/plants), no kernel of the
+Integrated by a fixed fine step with the test joints' own friction (lab/plants), no kernel of the
 package. Levels, inertia and offset are those of the model notes of the KUKA IR 361; what is not
 published (breakaway, Stribeck velocity, presliding reach) is chosen as in models/.
 """
@@ -8,8 +8,7 @@ published (breakaway, Stribeck velocity, presliding reach) is chosen as in model
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-
-from tests.plants.friction import ATTRACTION, bristle, gms, maxwell_elements, stribeck
+from plants.friction import ATTRACTION, bristle, gms, maxwell_elements, stribeck
 
 Array = NDArray[np.float64]
 

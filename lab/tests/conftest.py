@@ -7,7 +7,6 @@ from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / name) for name in ("lab", "scripts", "tests")]
-# packages of plants have one name everywhere, which numba's cache of them holds
 sys.path.append(str(ROOT))
 
 settings.register_profile("laboratory", deadline=None)

@@ -7,15 +7,12 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
-from trial_logs import quiet
-
-from tests.plants import catalogue
-from tests.plants.draw import TIES, draw_trial
-from tests.plants.friction import bristle, gms, maxwell_elements, stribeck
-from tests.plants.parts import MICRO_DAMPING
-from tests.plants.perfect import truth_error
-from tests.plants.plant import (
+from plants import catalogue
+from plants.draw import TIES, draw_trial
+from plants.friction import bristle, gms, maxwell_elements, stribeck
+from plants.parts import MICRO_DAMPING
+from plants.perfect import truth_error
+from plants.plant import (
     Controller,
     Effect,
     Friction,
@@ -26,6 +23,8 @@ from tests.plants.plant import (
     simulate,
     write,
 )
+from scipy.interpolate import CubicSpline
+from trial_logs import quiet
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -73,7 +72,7 @@ def test_names_are_the_catalogue_of_the_design():
 
 
 def test_plants_do_not_import_what_they_test():
-    for path in (ROOT / "tests" / "plants").rglob("*.py"):
+    for path in (ROOT / "lab" / "plants").rglob("*.py"):
         text = path.read_text(encoding="utf-8")
         assert not re.search(r"^\s*(import|from)\s+frictionjoint", text, re.M), path
 

@@ -4,7 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from arms.arm import (
+    geared,
+    hide_coupling,
+    hide_mass,
+    hide_payload,
+    hide_rotor,
+    hide_supply,
+    random_arm,
+)
 from law_shapes import law_at
+from plants.spec import Effect
 from round_trip_drive import DRIVES, drive_trip
 from round_trip_joint import joint_trip
 from servo_plant import KNOWN, KT, PLANT, logs, servo, sines, steps, swept
@@ -27,17 +37,7 @@ from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.replay.free_runs import motor_of, simulated_whole
 from tests import test_motor_temperature as warm
-from tests.arms.arm import (
-    geared,
-    hide_coupling,
-    hide_mass,
-    hide_payload,
-    hide_rotor,
-    hide_supply,
-    random_arm,
-)
 from tests.leg import BELIEVED, CONTROLLER, MODEL, leg
-from tests.plants.spec import Effect
 from tests.test_drive_effects import EMF_TERM, looked_at
 from tests.test_search import named_by_its_quantity, traced
 from tests.test_shared_causes import found_in, heavier_link_and_rotor, values

@@ -1,6 +1,6 @@
 """Every kernel as C beside the Python it is written in, on random numbers.
 
-    FRICTIONJOINT_PYTHON=1 python tests/kernel_calls.py
+    FRICTIONJOINT_PYTHON=1 python lab/tests/kernel_calls.py
 
 Laws, effects, controllers and filters run as Python along random motions, and of each kernel some
 calls are kept. Hypothesis varies these: every number that is no count, flag or choice moves by a
@@ -15,12 +15,15 @@ import sys
 import traceback
 import warnings
 from collections import defaultdict
+from pathlib import Path
 
 import mujoco
 import numpy as np
-from acting import acting, arm, ctrl
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
+from acting import acting, arm, ctrl
 
 import frictionjoint as fj
 from frictionjoint.compiled import native

@@ -1,6 +1,6 @@
 """What is named is simulated: a model that is written and simulated is identified again.
 
-The plants are MuJoCo's own parts with a LuGre joint (`tests/plants`), and a servo with MuJoCo's own
+The plants are MuJoCo's own parts with a LuGre joint (`lab/plants`), and a servo with MuJoCo's own
 friction (`tests/servo_plant`). `lab/round_trip.py` measures all effects, these and those whose
 logs take longer.
 """
