@@ -9,8 +9,8 @@ from pathlib import Path
 import mkdocs_gen_files
 
 from frictionjoint import close_loop
+from frictionjoint.report.folder import made
 from frictionjoint.report.page import render
-from frictionjoint.report.write import made
 
 DEMO = Path(str(files("frictionjoint"))) / "demo"
 

@@ -70,7 +70,7 @@ class WarpBatch:
             self.state = wp.zeros((stride, len(blocks)), dtype=wp.float64).transpose()
 
     def step(self, q: Any, v: Any, h: float, shape: tuple[int, ...]) -> tuple[Any, Any, Any]:
-        """See `FrictionBatch.step`."""
+        """One step of every joint on the device, in the form of `FrictionBatch.step`."""
         wp = self._wp
         position, velocity = (self._array(n, x, shape) for n, x in (("q", q), ("v", v)))
         single = position.dtype == wp.float32

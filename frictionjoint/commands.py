@@ -5,7 +5,7 @@ from pathlib import Path
 from types import NoneType
 from typing import TYPE_CHECKING, Literal, overload
 
-from frictionjoint.errors import LogError, ParameterError
+from frictionjoint.errors import ParameterError
 from frictionjoint.law.names import LAWS
 from frictionjoint.measured.arguments import expect
 
@@ -102,32 +102,18 @@ def close_loop(
     """
     from frictionjoint.measured.readers import each_log, require_logs
 
-    say = progress or _silent
     require_logs(logs, held_out)
-    if not isinstance(held_out, float | int):
-        held_out = each_log(held_out)
-        logs = each_log(logs, held_out)
-    else:
-        logs = each_log(logs)
+    fraction = float(held_out) if isinstance(held_out, float | int) else None
+    kept = [] if isinstance(held_out, float | int) else each_log(held_out)
+    logs = each_log(logs, kept)
     names = "give the name of one joint, a list of names, or None for all"
     expect(joint, (str, list, tuple, NoneType), "joint", names)
-    if isinstance(joint, str):
-        from frictionjoint.diagnose.close_loop import close_loop as of_joint
+    expect(model, (str, Path, Mapping), "model", "give the path of an MJCF, or its text")
+    from frictionjoint.robot.close_loop import Options, close_loop_logs
+    from frictionjoint.robot.logs import RobotLogs
 
-        return of_joint(logs, model, joint, held_out, seed, say, law, fixed, controller, refine)
-    from frictionjoint.measured.log import JointLog
-    from frictionjoint.robot.close_loop import close_loop_robot
-    from frictionjoint.robot.logs import read_robot
-
-    if isinstance(model, Mapping):
-        raise ParameterError("several joints share one model: give its path, without patterns")
-    kept = [] if isinstance(held_out, float | int) else list(held_out)
-    files = [x for x in (*logs, *kept) if not isinstance(x, JointLog)]
-    if len(files) < len(logs) + len(kept):
-        raise LogError("the logs of a robot are files: give paths, or the name of one joint")
-    kept_files = held_out if isinstance(held_out, float | int) else files[len(logs) :]
-    read = read_robot(files[: len(logs)], model, kept_files, joint)
-    return close_loop_robot(read, model, seed, say, law, fixed, jobs, None, controller, refine)
+    how = Options(seed, progress or _silent, law, fixed, controller, refine, jobs)
+    return close_loop_logs(RobotLogs.read(logs, kept, fraction, model, joint), model, how)
 
 
 def identify(

@@ -35,7 +35,7 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import direction
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.robot.joint import first_fit
-from frictionjoint.robot.logs import read_robot
+from frictionjoint.robot.logs import RobotLogs
 
 COMPARED = ("ur10", "tx40")
 # s: free runs that sysid fits, and those of the table
@@ -69,7 +69,7 @@ class Case:
 def case_of(robot, data) -> Case:
     """Read and filter."""
     model = ROOT / "models" / robot.model
-    logs = read_robot([data / x for x in robot.logs], model, float(HELD_OUT))
+    logs = RobotLogs.read([data / x for x in robot.logs], [], float(HELD_OUT), model)
     found = Case(logs.joints, [], [], [], [], [], [], [])
     segments = ([], [])
     for name in logs.joints:

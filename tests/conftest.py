@@ -38,7 +38,7 @@ def measured_data() -> Path:
 @pytest.fixture(scope="session")
 def demo_report(tmp_path_factory):
     """Report of the whole loop on the shipped logs, once for all tests and all workers."""
-    from frictionjoint.diagnose.close_loop import close_loop
+    from frictionjoint import close_loop
 
     folder = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.report.write import write_report
+from frictionjoint.report.folder import write_report
 
 
 @pytest.fixture

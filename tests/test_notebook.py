@@ -27,7 +27,7 @@ def test_a_report_shows_verdict_errors_and_picture(demo_report):
     assert "<b>Missing:</b> Cogging." in text
     assert "Coulomb friction" in text
     assert "&lt;b&gt;elbow&lt;/b&gt;" in text
-    assert text.count("<svg") == 1
+    assert text.count("<img") == 1
     assert "<script" not in text
 
 

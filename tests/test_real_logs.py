@@ -2,7 +2,7 @@
 
 import pytest
 
-from frictionjoint.diagnose.close_loop import close_loop
+from frictionjoint import close_loop
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
 from frictionjoint.simulate.stick_slip import kuka_model

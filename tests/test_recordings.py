@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from command_line import run
 
+from frictionjoint import close_loop
 from frictionjoint.control.controller import Controller
-from frictionjoint.diagnose.close_loop import close_loop
 from frictionjoint.errors import LogError
 from frictionjoint.files import toml_document
 from frictionjoint.measured import JointLog
@@ -237,11 +237,11 @@ def test_each_joint_of_a_robot_states_how_it_differs() -> None:
     logs = [recording(40 + i, Fc=Fc).part(slice(0, 1500), "") for i, Fc in enumerate(levels)]
     found = explain_joint(Task("elbow", logs, [], bare, None, 0, "lugre", corrected=bare))
     assert isinstance(found, Explained)
-    rows = {row["number"]: row for row in found.result.report.recordings}
+    rows = {row["number"]: row for row in found.report.recordings}
     values = [x["value"] for x in rows["Fc"]["recordings"]]
     np.testing.assert_allclose(values, levels, rtol=0.03)
     assert rows["sigma2"]["deviation"] < 0.1 * SIGMA2
-    drawn = [x.parameters.Fc_pos for x in found.result.report.posterior.sample(300)]
+    drawn = [x.parameters.Fc_pos for x in found.report.posterior.sample(300)]
     assert np.std(drawn) > 0.03
 
 

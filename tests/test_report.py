@@ -10,9 +10,9 @@ from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report import wording
+from frictionjoint.report.folder import made
 from frictionjoint.report.joint_report import Rms
 from frictionjoint.report.page import render
-from frictionjoint.report.write import made
 
 COMMAND = "frictionjoint close-loop 'my log.csv' --out out"
 

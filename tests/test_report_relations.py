@@ -14,7 +14,7 @@ from frictionjoint.effects.catalogue import title
 from frictionjoint.report.numbers import result_estimates
 from frictionjoint.report.robot_summary import joint_content, summarise_robot
 from frictionjoint.report.summary import summarise
-from frictionjoint.report.text import robot_text, summary_text
+from frictionjoint.report.text import summary_text
 from frictionjoint.report.wording import percentage, three
 
 WEAK = COGGING["evidence"]
@@ -242,7 +242,7 @@ def test_a_robot_has_the_figures_of_its_joints():
     assert percentage(before, 100.0) in line(s, "Error before and after")
     assert "hand" in line(s, "Missing")
     assert "rotor inertia of elbow" in line(s, "Could also be").lower()
-    told = robot_text(ROBOT).splitlines()
+    told = summary_text(ROBOT).splitlines()
     assert sum(x.startswith("* ") for x in told) <= 6
 
 

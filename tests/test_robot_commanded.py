@@ -6,9 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from frictionjoint.report.write_robot import write_robot_report
-from frictionjoint.robot.close_loop import close_loop_robot
-from frictionjoint.robot.logs import read_robot
+from frictionjoint import close_loop
+from frictionjoint.report.folder import write_report
 from frictionjoint.simulate.carrier import read_friction
 
 # s: of the plant and its controller; a target comes, and a row is logged, once in so many
@@ -68,7 +67,7 @@ def files(tmp_path_factory):
 @pytest.fixture(scope="module")
 def report(files):
     log, model, controller = files
-    return close_loop_robot(read_robot([log], model), model, jobs=1, controller=controller)
+    return close_loop([log], model, controller=controller)
 
 
 def test_joints_are_explained_and_the_knee_follows_its_target(report):
@@ -76,7 +75,7 @@ def test_joints_are_explained_and_the_knee_follows_its_target(report):
     before, after = report.before.torque_percent.held_out, report.after.torque_percent.held_out
     assert after < 0.05 * before
     knee = report.joints["knee"]
-    assert knee.report.after_replay.held_out < 0.1 * knee.before_replay.held_out
+    assert knee.after_replay.held_out < 0.1 * knee.before_replay.held_out
 
 
 def test_the_rotor_that_the_model_lacks_is_named(report):
@@ -86,12 +85,12 @@ def test_the_rotor_that_the_model_lacks_is_named(report):
 
 
 def test_no_torque_is_replayed_where_none_was_measured(report):
-    assert report.before.replay.held_out is None
-    assert report.after.replay.held_out is None
+    assert report.before.replay_rms.held_out is None
+    assert report.after.replay_rms.held_out is None
 
 
 def test_each_joints_controller_is_written(report, tmp_path):
-    write_robot_report(report, tmp_path, "frictionjoint close-loop")
+    write_report(report, tmp_path, "frictionjoint close-loop")
     for name, kp in KP.items():
         assert f"kp = {kp}\n" in (tmp_path / f"joint_{name}.controller.toml").read_text()
     assert json.loads((tmp_path / "report.json").read_text())["schema"] == "frictionjoint/report-2"
@@ -100,5 +99,5 @@ def test_each_joints_controller_is_written(report, tmp_path):
 def test_the_model_carries_what_was_refined(report):
     carried = read_friction(mujoco.MjSpec.from_string(report.mjcf).compile())
     for name, joint in report.joints.items():
-        assert joint.report.refined is not None
-        assert carried[name] == joint.report.carried
+        assert joint.refined is not None
+        assert carried[name] == joint.carried

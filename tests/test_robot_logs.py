@@ -12,7 +12,7 @@ from frictionjoint.errors import LogError
 from frictionjoint.identify.driven_joints import joints_to_explain
 from frictionjoint.measured.readers import joints_with_drive
 from frictionjoint.robot.joint import first_fit
-from frictionjoint.robot.logs import read_robot
+from frictionjoint.robot.logs import RobotLogs
 
 COLUMNS = {
     "j1": ("position_rad", "torque_nm"),
@@ -44,7 +44,7 @@ def test_all_joints_with_a_drive_are_explained(tmp_path, model):
     log = write(tmp_path / "a.csv")
     assert joints_with_drive(log) == ["j1", "j2"]
     assert joints_to_explain([log], mujoco.MjModel.from_xml_string(model)) == ["j1", "j2"]
-    logs = read_robot([log], model)
+    logs = RobotLogs.read([log], [], 0.25, model)
     assert logs.joints == ["j1", "j2"]
     assert set(logs.moving) == {"j1", "j2", "j3"}
     assert [entry.role for entry in logs.entries] == ["fit", "held-out"]
@@ -52,7 +52,7 @@ def test_all_joints_with_a_drive_are_explained(tmp_path, model):
 
 def test_a_joint_that_stands_still_stops_no_other(tmp_path, model):
     log = write(tmp_path / "a.csv", still="j2")
-    logs = read_robot([log], model)
+    logs = RobotLogs.read([log], [], 0.25, model)
     assert logs.joints == ["j1"]
     assert set(logs.failed) == {"j2"}
     assert "j2" not in logs.moving
@@ -60,7 +60,7 @@ def test_a_joint_that_stands_still_stops_no_other(tmp_path, model):
 
 def test_joints_recorded_one_after_the_other_have_each_the_logs_in_which_they_move(tmp_path, model):
     logs = [write(tmp_path / f"{name}.csv", still=name) for name in ("j1", "j2")]
-    found = read_robot(logs, model, held_out=[write(tmp_path / "held.csv", still="j2")])
+    found = RobotLogs.read(logs, [write(tmp_path / "held.csv", still="j2")], None, model)
     assert {j: [log.name for log in own] for j, own in found.fit.items()} == {
         "j1": ["j2"],
         "j2": ["j1"],

@@ -7,16 +7,14 @@ import pytest
 
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rms import Rms
-from frictionjoint.report.page import render
+from frictionjoint.report.folder import made
+from frictionjoint.report.page import render, render_robot
 from frictionjoint.report.robot_report import (
-    JointResult,
     RobotErrors,
     RobotReport,
     SharedCause,
 )
 from frictionjoint.report.robot_summary import joint_content, summarise_robot
-from frictionjoint.report.write import made
-from frictionjoint.report.write_robot import page_names, render_robot
 
 PARTS = {
     "verdict": 'class="verdict partly-explained"',
@@ -45,7 +43,7 @@ def robot(demo_report) -> RobotReport:
     )
     hardly = replace(worse, after_torque=Rms(r.after_torque.fit, 1.002 * before.held_out))
     joints = {
-        name: JointResult(report, r.base, "integrated", before, r.before_replay, increase)
+        name: replace(report, increase=increase)
         for name, report, increase in (
             ("elbow", r, {}),
             ("wrist", worse, {"torque_rms": (0.8, 1.2)}),
@@ -76,7 +74,7 @@ def robot(demo_report) -> RobotReport:
 
 @pytest.fixture(scope="module")
 def page(robot) -> str:
-    return render_robot(robot, page_names(list(robot.joints)), content(robot))
+    return render_robot(robot, content(robot))
 
 
 def content(robot: RobotReport) -> dict:
@@ -91,7 +89,7 @@ def test_each_part_is_there(page, part):
 def test_the_page_of_a_joint_has_the_errors_of_the_robots_page(robot):
     s = summarise_robot(content(robot))
     for row in s.rows:
-        own = render(robot.joints[row.joint].report, joint_content(content(robot), row.joint))
+        own = render(robot.joints[row.joint], joint_content(content(robot), row.joint))
         for percent in row.torque.split(" → "):
             assert f"({percent})" in own
 

@@ -68,7 +68,7 @@ def test_a_stiff_gear_has_its_stiffness_and_nothing_else():
 
 def test_a_link_whose_position_is_older_is_no_torsion():
     found = found_in(log_of(later=3e-3))
-    assert found.older.value == pytest.approx(3e-3, rel=0.05)
+    assert found.link_position_older.value == pytest.approx(3e-3, rel=0.05)
     assert found.stiffness.value == pytest.approx(STIFFNESS, rel=0.05)
     assert found.hysteresis is None
 

@@ -15,7 +15,7 @@ from arms.run import run, write_csv
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.robot.close_loop import _first
 from frictionjoint.robot.explain import State, Task
-from frictionjoint.robot.logs import read_robot
+from frictionjoint.robot.logs import RobotLogs
 from frictionjoint.robot.workers import workers
 
 
@@ -23,7 +23,7 @@ from frictionjoint.robot.workers import workers
 def tasks(tmp_path_factory) -> list[Task]:
     folder, arm = tmp_path_factory.mktemp("logs"), random_arm(4, 2)
     write_csv(run(arm, 1, 4.0), folder / "a.csv")
-    logs = read_robot([folder / "a.csv"], arm.believed)
+    logs = RobotLogs.read([folder / "a.csv"], [], 0.25, arm.believed)
     user = State(arm.believed)
     return [Task(n, logs.fit[n], logs.held_out[n], user, None, 0, None) for n in logs.joints]
 

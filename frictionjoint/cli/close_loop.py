@@ -3,6 +3,8 @@
 import json
 import shlex
 import sys
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -17,20 +19,15 @@ from frictionjoint.cli.logs import (
     LogOptions,
     Model,
     joints_of,
+    kept_of,
     log_paths,
     models_of,
     paths_of,
     poses,
     reads_logs,
-    split,
 )
 from frictionjoint.cli.output import Force, Json, Open, open_page, require_writable
-from frictionjoint.cli.robot import (
-    RobotRequest,
-    close_loop_of_robot,
-    close_loop_of_units,
-    robots_of,
-)
+from frictionjoint.cli.robot import robots_of, show_units
 from frictionjoint.cli.terminal import progress, show_report
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.law.names import LAWS
@@ -125,55 +122,56 @@ def close_loop_command(
     Several robots of one kind: `frictionjoint close-loop --robot left=a.csv --robot right=b.csv
     --model arm.urdf --out out`
     """
-    from frictionjoint.diagnose.close_loop import close_loop
-    from frictionjoint.report.write import FILES, write_report
+    from frictionjoint.report.folder import FILES, write_report, write_units_report
+    from frictionjoint.robot.close_loop import Options, close_loop_logs
+    from frictionjoint.robot.logs import RobotLogs
+    from frictionjoint.robot.units import close_loop_units
 
     if not (logs or robot):
         raise LogError("no log: give one or more, or robots with --robot NAME=LOG")
     paths = log_paths(logs or [], held_out or ["0.25"], options.join)
-    logs, held_out = paths.logs, paths.held_out
-    if not (robot or joint) and len(only := joints_of(model)) == 1:
-        joint = only
-    if robot or joint is None or len(joint) != 1:
-        reading = options.reading("", paths)
-        mjcf = models_of(model)
-        if isinstance(mjcf, dict):
-            raise ModelError("--model: several joints share one model, give one without a pattern")
-        request = RobotRequest(logs, held_out, Path(mjcf), joint or [], reading)
-        search = {"seed": seed, "law": law, "fixed": poses(fixed), "scheduler": scheduler}
-        search |= {"controller": controller, "refine": refine}
-        if robot:
-            close_loop_of_units(request, robots_of(robot), out, force, as_json, search)
-        else:
-            close_loop_of_robot(request, out, force, as_json, search)
-        if open_it:
-            open_page(out / "report.html")
-        return
-    if scheduler:
+    kept, fraction = kept_of(paths.logs, paths.held_out)
+    units = robots_of(robot or [])
+    if units and (paths.logs or kept):
+        raise LogError("--robot: give every log as NAME=LOG, and a fraction to --held-out")
+    names = joint or []
+    if len(set(names)) < len(names):
+        raise LogError("--joint: a joint is named twice, name it once")
+    if not (units or names) and len(only := joints_of(model)) == 1:
+        names = only
+    alone = names[0] if len(names) == 1 and not units else None
+    mjcf = models_of(model)
+    if not alone and isinstance(mjcf, dict):
+        raise ModelError("--model: several joints share one model, give one without a pattern")
+    if alone and scheduler:
         raise LogError("--scheduler distributes the joints of a robot: omit it for one joint")
-    with progress() as say:
-        read = [*logs, *(Path(text) for text in held_out), *paths_of(model)]
-        require_writable(out, read, force, FILES)
-        reading = options.reading(joint[0], paths)
-        fitted, kept = split(logs, held_out, reading)
-        report = close_loop(
-            fitted,
-            models_of(model),
-            joint[0],
-            kept,
-            seed,
-            say,
-            law,
-            poses(fixed),
-            controller,
-            refine,
+    reading, command = options.reading("", paths), shlex.join(["frictionjoint", *sys.argv[1:]])
+
+    def logs_of(own: list[Path]) -> RobotLogs:
+        return RobotLogs.read(
+            *(own, kept, fraction, mjcf, alone or names),
+            lambda log, name: replace(reading, joint=name).read(log),
+            reading.columns,
         )
-        say("writing the report")
-        write_report(report, out, shlex.join(["frictionjoint", *sys.argv[1:]]))
+
+    with progress() as say:
+        inputs = [*paths.logs, *kept, *(x for own in units.values() for x in own), *paths_of(model)]
+        require_writable(out, inputs, force, FILES[:2] if units else FILES)
+        how = Options(seed, say, law, poses(fixed), controller, refine, None, scheduler)
+        if units:
+            of_kind = close_loop_units({n: logs_of(x) for n, x in units.items()}, mjcf, how)
+            write_units_report(of_kind, out, command)
+            content, show = of_kind.to_dict(), partial(show_units, of_kind)
+        else:
+            report = close_loop_logs(logs_of(paths.logs), mjcf, how)
+            say("writing the report")
+            write_report(report, out, command)
+            content, show = report.to_dict(), partial(show_report, report)
     if as_json:
-        typer.echo(json.dumps(report.to_dict(), indent=2))
+        typer.echo(json.dumps(content, indent=2))
     else:
-        show_report(report)
-        typer.echo(f"\nReport: {out / 'report.html'}   Model: {out / 'model.xml'}")
+        show()
+        model_file = "" if units else f"   Model: {out / 'model.xml'}"
+        typer.echo(f"\nReport: {out / 'report.html'}{model_file}")
     if open_it:
         open_page(out / "report.html")

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from frictionjoint.cli.logs import Reading
 from frictionjoint.cli.output import Force, Open, open_page, require_writable
 from frictionjoint.cli.terminal import progress, show_report
 
@@ -26,8 +25,9 @@ def demo(
 
     Example: `frictionjoint demo --open`
     """
-    from frictionjoint.diagnose.close_loop import close_loop
-    from frictionjoint.report.write import FILES, write_files, write_report
+    from frictionjoint.commands import close_loop
+    from frictionjoint.report.folder import FILES, write_report
+    from frictionjoint.report.write import write_files
     from frictionjoint.simulate.stick_slip import draw, kuka_model, stick_slip
 
     # the demo's own folder contains nothing else
@@ -38,10 +38,9 @@ def demo(
         ours, native = stick_slip(kuka_model()), stick_slip(kuka_model(), native=True)
         write_files(out, {"stick_slip.svg": draw(ours, native)})
         folder = Path(str(files("frictionjoint.demo")))
-        logs = Reading("joint")
-        read = [logs.read(folder / f"{n}.csv") for n in ("pick_and_place", "ramps")]
-        kept = [logs.read(folder / "multisine.csv")]
-        report = close_loop(read, folder / "joint.xml", "joint", kept, progress=say)
+        fit = [folder / f"{n}.csv" for n in ("pick_and_place", "ramps")]
+        kept = [folder / "multisine.csv"]
+        report = close_loop(fit, folder / "joint.xml", "joint", kept, progress=say)
         write_report(report, out, "frictionjoint demo")
     typer.echo(f"Part 1: stick-slip of a KUKA joint (see {out / 'stick_slip.svg'}).")
     typer.echo(ours.summary())

@@ -53,7 +53,7 @@ def drift(
     from frictionjoint.model_files import compile_model
     from frictionjoint.recordings.drift import drift as compared
     from frictionjoint.recordings.drift import known_of
-    from frictionjoint.report.write_robot import controller_file
+    from frictionjoint.report.folder import controller_file
 
     with progress() as say:
         paths = log_paths(logs, [], options.join)

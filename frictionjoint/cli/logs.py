@@ -338,25 +338,6 @@ def kept_of(paths: list[Path], held_out: list[str]) -> tuple[list[Path], float |
     return names, fractions[0] if fractions else None
 
 
-def split(
-    paths: list[Path], held_out: list[str], reading: Reading
-) -> tuple[list["JointLog"], list["JointLog"]]:
-    """Logs to fit and logs held out.
-
-    Raises:
-        LogError: see `kept_of` and `read_log`.
-    """
-    from frictionjoint.measured.log import split_each_in_time
-
-    names, fraction = kept_of(paths, held_out)
-    fitted = [reading.read(path) for path in paths]
-    kept = [reading.read(path) for path in names]
-    if fraction is not None:
-        fitted, ends = split_each_in_time(fitted, fraction)
-        kept += ends
-    return fitted, kept
-
-
 def poses(fixed: list[str] | None) -> dict[str, float | list[float]]:
     """Fixed positions by joint.
 

@@ -2,14 +2,19 @@
 
 import contextlib
 import re
-import time
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    Progress,
+    SpinnerColumn,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -39,47 +44,31 @@ def progress() -> Iterator[Callable[[str], None]]:
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}"),
-        TextColumn("{task.fields[left]}"),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as shown:
-        task = shown.add_task("Reading", total=None, left="")
-        steps = Steps()
+    shown = Progress(
+        *columns,
+        console=err,
+        transient=True,
+        disable=not err.is_terminal,
+        speed_estimate_period=3600.0,
+    )
+    with shown:
+        task, kind = shown.add_task("Reading", total=None), ""
 
         def tell(text: str) -> None:
-            left = steps.left(text, time.monotonic())
-            shown.update(task, description=text[:1].upper() + text[1:], left=left)
+            nonlocal kind
+            counted = _COUNTED.search(text)
+            before, kind = kind, text[: counted.start()] if counted else text
+            if kind != before:  # another kind of work is timed anew
+                shown.reset(task, start=False, total=None)
+            done, total = (int(counted[1]) - 1, int(counted[2])) if counted else (0, None)
+            description = text[:1].upper() + text[1:]
+            shown.update(task, description=description, completed=done, total=total)
 
         yield tell
-
-
-@dataclass
-class Steps:
-    """Counted steps of one kind of work, and when they began."""
-
-    kind: str = ""
-    begin: float = 0.0
-    first: int = 0
-
-    def left(self, text: str, now: float) -> str:
-        """Percentage and remaining time, from a message such as "4 of 12"."""
-        counted = _COUNTED.search(text)
-        if not counted:
-            self.kind = ""
-            return ""
-        done, total = int(counted[1]) - 1, int(counted[2])
-        kind = text[: counted.start()]
-        if kind != self.kind:
-            self.kind, self.begin, self.first = kind, now, done
-        part = f"{100 * done // max(1, total)}%"
-        if done <= self.first:
-            return part
-        seconds = (now - self.begin) / (done - self.first) * (total - done)
-        return f"{part}, about {_duration(seconds)} left"
-
-
-def _duration(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min"
 
 
 @contextlib.contextmanager

@@ -1,15 +1,13 @@
 """Identify the friction of one joint and search for missing effects: from logs to a report."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller, unknown_notes
-from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.by_motion import named_by_motion
@@ -31,12 +29,11 @@ from frictionjoint.diagnose.report_parts import (
     ties,
     torque_rms,
 )
-from frictionjoint.diagnose.trace import INTEGRATED_LAW, trace
+from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit, with_gain
 from frictionjoint.identify.gate import check, check_fit, load_shows, scale_is_determined
-from frictionjoint.identify.held import Pose
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.notes import other_drive_note
 from frictionjoint.identify.prepare import prepare
@@ -46,18 +43,12 @@ from frictionjoint.identify.result import (
     units_of,
 )
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.joint_friction import JointFriction
-from frictionjoint.measured.arguments import require_seed
-from frictionjoint.measured.log import JointLog, split_each_in_time
-from frictionjoint.measured.long_logs import bounded
-from frictionjoint.measured.readers import read_log, require_logs
-from frictionjoint.measured.validate import require_motion
+from frictionjoint.measured.log import JointLog
 from frictionjoint.model_text import model_text
-from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.refine.motion import window_squares
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refine import Refined
@@ -83,7 +74,6 @@ _ANY_GAIN = 1.0
 _NO_REPLAY = [Rms(None, None), Rms(None, None)]
 
 
-LogLike = JointLog | str | Path
 # free runs on fitted and on held-out logs
 Runs = tuple[Replay, Replay | None]
 
@@ -105,63 +95,6 @@ class Analysis:
 
 
 @one_thread
-def close_loop(
-    logs: Sequence[LogLike],
-    model: str | Path | Mapping[str, str | Path],
-    joint: str,
-    held_out: Sequence[LogLike] | float = 0.25,
-    seed: int = 0,
-    progress: Callable[[str], None] = lambda text: None,
-    law: str | None = None,
-    fixed: Mapping[str, Pose] | None = None,
-    controller: GivenController | None = None,
-    refine: bool | None = None,
-) -> Report:
-    """Identify the friction of one joint and search for missing effects.
-
-    Args:
-        logs: to fit and to choose effects on, at least one; logs or their files.
-        model: path or text of the MJCF; for logs with different loads, one per pattern of log
-            names, ``{"light*": "light.xml", "heavy*": "heavy.xml"}``.
-        joint: its name.
-        held_out: logs used for neither, or the fraction of each log to hold out at its end.
-        seed: equal seeds give equal reports.
-        progress: called with a description of the current step.
-        law: name of the friction law, see `law.names.LAWS`; None for the integrated law.
-        fixed: positions of joints that are not in the logs, by name, rad (m).
-        controller: what drove the joint to its target: a file, the name of a preset, one of these
-            per joint by name, or "mjcf" for the model's own position servo. Required for logs
-            without torque, voltage or current; all logs are simulated with it.
-        refine: whether all parameters are finally fitted to simulated motion. They are used if they
-            predict logs better that were left out. None: if the logs have a target and the
-            controller is known; True: also by runs of half a second with the measured torque;
-            False: never.
-    Raises:
-        FrictionJointError: bad logs or model, in one line.
-        TypeError: an argument has a wrong type.
-    """
-    require_logs(logs, held_out)
-    require_seed(seed)
-    forms_of(law or INTEGRATED_LAW)
-    bodies = Bodies(model, joint, fixed)
-    known = controller_of(controller, joint, bodies.models)
-    split = isinstance(held_out, float | int)
-    logs, held_out = _fitted_and_held_out(logs, held_out, joint)
-    for log in logs:
-        require_motion(f"{log.name}, {joint}", log.position)
-    report = explain(logs, held_out, bodies, seed, progress, law, known, refine).report
-    progress("comparing the recordings")
-    recordings = [*logs, *([] if split else held_out)]
-    # the model of the report has the load of the first log
-    loads = bodies.of(recordings)
-    alike = [x for x, load in zip(recordings, loads, strict=True) if load is loads[0]]
-    if len(alike) < len(recordings):
-        note = f"Recordings are compared with each other only under the load of {logs[0].name}."
-        report = replace(report, notes=(*report.notes, note))
-    return with_recordings(report, alike, fixed)
-
-
-@one_thread
 def explain(
     logs: Sequence[JointLog],
     held_out: Sequence[JointLog],
@@ -172,10 +105,11 @@ def explain(
     controller: Controller | None = None,
     refine: bool | None = None,
 ) -> Analysis:
-    """Report and findings for logs that have been read.
+    """Report and findings for the logs of one joint.
 
     Args:
-        held_out: may be empty. bodies: the model around the joint. Others: see `close_loop`.
+        held_out: may be empty. bodies: the model around the joint.
+        controller: what drove the joint to its target. Others: see `commands.close_loop`.
     Raises:
         FrictionJointError: bad logs, in one line.
     """
@@ -300,7 +234,7 @@ def explain(
             *((REFINED,) if refined and refined.taken and not closed else ()),
             *(gain_note(outcome.gain_error) if outcome and scaled else ()),
         ),
-        closed_loops=closed,
+        closed_loops=(closed[0], closed[1]) if closed else None,
         refined=refined,
         posterior=_posterior(moving, found.final, cov, body, outcome) if scaled else None,
         controller=found_controller(controller, best, scaled) if controller else None,
@@ -312,21 +246,6 @@ def explain(
     before_and_after = (runs[0], runs[1]) if runs else (None, None)
     simulated = best if scaled else found.final
     return Analysis(report, found, simulated, kept_moving, before_and_after)
-
-
-def _fitted_and_held_out(
-    logs: Sequence[LogLike], held_out: Sequence[LogLike] | float, joint: str
-) -> tuple[list[JointLog], list[JointLog]]:
-    """Fitted and held-out logs; files are read."""
-    fitted = [_read(log, joint) for log in logs]
-    if not isinstance(held_out, float | int):
-        return bounded(fitted), bounded([_read(log, joint) for log in held_out])
-    first, last = split_each_in_time(fitted, held_out)
-    return bounded(first), bounded(last)
-
-
-def _read(log: LogLike, joint: str) -> JointLog:
-    return log if isinstance(log, JointLog) else read_log(log, joint)
 
 
 def _posterior(

@@ -14,9 +14,10 @@ from frictionjoint.control.profile import held
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.torque import STATE as FULL
-from frictionjoint.evaluation.torque import Along, Led
+from frictionjoint.evaluation.torque import Along
 from frictionjoint.measured.first_velocity import first_velocity
 from frictionjoint.mujoco_warnings import became_unstable
+from frictionjoint.replay.prescribed_motion import Prescribed
 
 WINDOW_S = 0.5
 
@@ -34,7 +35,8 @@ def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, A
     """
     model, data = m.model, mujoco.MjData(m.model)
     step, model.opt.timestep = model.opt.timestep, recording.step
-    led, n, every = Led(m, recording), len(recording.time), along.every
+    led = Prescribed(model, data, recording.led)
+    n, every = len(recording.time), along.every
     torques = np.stack(
         [recording.drive[x] if m.controls[x] is None else np.zeros(n) for x in m.joints], axis=1
     )
@@ -53,7 +55,7 @@ def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, A
                 for i, drive in controls.items():
                     data.ctrl[i] = 0.5 * (drive[k] + drive[k + 1])
                 mujoco.mj_step(model, data)
-                led.put(data, k + 1)
+                led.put(k + 1)
                 errors[k + 1] = data.qpos[m.qpos] - measured[k + 1]
             if became_unstable(data):
                 errors[begin + 1 : begin + every + 1] = np.inf
@@ -84,12 +86,12 @@ def closed_loop(
     """
     model, data = m.model, mujoco.MjData(m.model)
     step, model.opt.timestep = model.opt.timestep, recording.step
-    led, n = Led(m, recording), len(recording.time)
+    led, n = Prescribed(model, data, recording.led), len(recording.time)
     loops = [_Loop(m, recording, name, controllers[name]) for name in m.joints]
     position = np.empty((n, len(loops)))
     for loop in loops:
         loop.begin(data)
-    led.put(data, 0)
+    led.put(0)
     with m.acting():
         mujoco.mj_forward(model, data)
         for k in range(n):
@@ -97,7 +99,7 @@ def closed_loop(
             for loop in loops:
                 loop.drive(data, k)
             mujoco.mj_step(model, data)
-            led.put(data, min(k + 1, n - 1))
+            led.put(min(k + 1, n - 1))
             if became_unstable(data):
                 position[k:] = np.inf
                 break

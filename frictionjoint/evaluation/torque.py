@@ -4,7 +4,6 @@ The torque is MuJoCo's inverse dynamics of the model with all its friction. Fric
 package and of MuJoCo, are integrated along the motion.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -13,6 +12,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
+from frictionjoint.replay.prescribed_motion import Prescribed
 
 # an explicit integrator, so that friction gives the torque at the present time, not at the end of
 # the step
@@ -47,7 +47,7 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     before = model.opt.timestep, model.opt.integrator, model.opt.disableflags
     model.opt.timestep = recording.step
     q, v, a = (np.stack([recording.motion[n][i] for n in m.joints], axis=1) for i in range(3))
-    led = Led(m, recording)
+    led = Prescribed(model, data, recording.led)
     n = len(recording.time)
     needed, given = np.empty((n, len(m.joints))), np.zeros((n, len(m.joints)))
     controls = {i: recording.drive[name] for name, i in m.controls.items() if i is not None}
@@ -61,7 +61,7 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
         for k in range(n):
             data.time = recording.time[k]
             qpos[m.qpos], qvel[m.dofs], qacc[m.dofs] = q[k], v[k], a[k]
-            led.put(data, k)
+            led.put(k)
             for i, drive in controls.items():
                 data.ctrl[i] = drive[k]
             if k % every == 0:
@@ -70,7 +70,7 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
                 states.append(_state(model, data))
                 qacc[:] = 0.0
                 qacc[m.dofs] = a[k]
-                led.put(data, k)
+                led.put(k)
                 _without_limits(model, True)
             if acts:
                 mujoco.mj_fwdPosition(model, data)
@@ -95,23 +95,6 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
         states,
         every,
     )
-
-
-class Led:
-    """Joints that follow their measured motion."""
-
-    def __init__(self, m: EvaluatedModel, recording: Recording) -> None:
-        known: Mapping[str, int] = {n: j for n, j in m.led.items() if n in recording.led}
-        ids = list(known.values())
-        self._at = m.model.jnt_qposadr[ids].astype(int)
-        self._dofs = m.model.jnt_dofadr[ids].astype(int)
-        self._motion = np.array([[recording.led[n][i] for n in known] for i in range(3)])
-
-    def put(self, data: mujoco.MjData, k: int) -> None:
-        """Set the measured position, velocity and acceleration of these joints at a sample."""
-        if len(self._at):
-            data.qpos[self._at], data.qvel[self._dofs] = self._motion[:2, :, k]
-            data.qacc[self._dofs] = self._motion[2, :, k]
 
 
 def _without_limits(model: mujoco.MjModel, off: bool) -> None:

@@ -51,28 +51,28 @@ class ConstraintShape:
         return self.lead < _LEADS[0] + margin or self.lead > _LEADS[1] - margin
 
     def vector(self) -> Array:
-        """See `Shape`."""
+        """The numbers of the static law, then the logarithm of the lead."""
         return np.append(self.static.vector(), np.log(self.lead))
 
     def moved(self, x: Array) -> Self:
-        """See `Shape`."""
+        """The same law with other numbers, in the order of `vector`."""
         return replace(self, static=self.static.moved(x[:-1]), lead=float(np.exp(x[-1])))
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
-        """See `Shape`."""
+        """Bounds of the static law, and the shortest and longest lead."""
         low, high = self.static.bounds(vmax, span)
         return np.append(low, np.log(_LEADS[0])), np.append(high, np.log(_LEADS[1]))
 
     def started(self, start: LawStart) -> list[Self]:
-        """See `Shape`."""
+        """One shape per start of the static law, with the present lead."""
         return [replace(self, static=shape) for shape in self.static.started(start)]
 
     def last_choices(self) -> list[Self]:
-        """See `Shape`."""
+        """The shape itself: the start of a log leaves no choice."""
         return [self]
 
     def with_assumed_stiffness(self, reach: float) -> Self:
-        """See `Shape`."""
+        """The shape that reaches its level within an assumed displacement, rad (m)."""
         return replace(self, reach=reach)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
@@ -89,14 +89,14 @@ class ConstraintShape:
         )
 
     def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
-        """See `Shape`."""
+        """Level times saturated constraint force, shape (n,); it has no state, so the rate is 0."""
         level, saturated, *_ = self._parts(time, q, edges_of(q, edges))
         return level * saturated, np.zeros_like(q)
 
     def tangents(
         self, time: Array, q: Array, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
-        """See `Shape`."""
+        """`hysteresis` and its derivatives by the numbers, (k, n), written out by hand."""
         edges = edges_of(q, edges)
         level, saturated, v, a = self._parts(time, q, edges)
         excess, _, delta, _ = self.static.vector()

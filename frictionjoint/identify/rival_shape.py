@@ -73,24 +73,24 @@ class RivalShape:
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """See `Shape`."""
+        """Names of the numbers that are searched for this law."""
         return _VARIABLES[self.law.law]
 
     @property
     def damped(self) -> bool:
-        """See `Shape`."""
+        """Whether the law has a presliding damping of its own."""
         return self.law.law in _DAMPED
 
     def vector(self) -> Array:
-        """See `Shape`."""
+        """The numbers in the order of `variables`, shape (k,)."""
         return np.array(self.numbers)
 
     def moved(self, x: Array) -> Self:
-        """See `Shape`."""
+        """The same law with other numbers."""
         return replace(self, numbers=tuple(float(n) for n in x))
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
-        """See `Shape`."""
+        """Bounds common to all laws, and those of the numbers that only this law has."""
         low, high = level_bounds(vmax)
         # V0 is at most half of Vs: the level is reached before it falls
         reach = {
@@ -106,7 +106,7 @@ class RivalShape:
         return np.array(least), np.array(most)
 
     def started(self, start: LawStart) -> list[Self]:
-        """See `Shape`."""
+        """The Stribeck curve and length of a start, in the numbers of this law."""
         common = {
             "excess": start.excess,
             "log Vs": np.log(start.Vs),
@@ -123,11 +123,11 @@ class RivalShape:
         return [self.moved(numbers + step * moves) for step in steps]
 
     def last_choices(self) -> list[Self]:
-        """See `Shape`."""
+        """The shape itself: the start of a log leaves no choice."""
         return [self]
 
     def with_assumed_stiffness(self, reach: float) -> Self:
-        """See `Shape`; the fitted stiffness of a rival law is kept."""
+        """The shape itself: its stiffness is a number of the law."""
         return self
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
@@ -155,7 +155,7 @@ class RivalShape:
         return found
 
     def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
-        """See `Shape`."""
+        """H and rate along motions, by the kernel of the law, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_rival(unit_block(self), time, q, edges_of(q, edges), H, rate)
         return H, rate
@@ -163,7 +163,7 @@ class RivalShape:
     def tangents(
         self, time: Array, q: Array, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
-        """See `Shape`."""
+        """`hysteresis` and its derivatives, by the tangent of the kernel."""
         P = unit_block(self)
         return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q, edges)
 

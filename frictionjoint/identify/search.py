@@ -350,13 +350,13 @@ class Search:
         return float(np.linalg.norm(y * self.weight))
 
     def _acting(self, terms: tuple[Term, ...], y: Array) -> float:
-        """See `Fit.acting`."""
+        """Weighted rms of the drive, relative to that before effects of the drive changed it."""
         if not any(isinstance(t, DriveTerm) for t in terms):
             return 1.0
         return max(self._size(self._drive(y)) / self.size, _HARDLY)
 
     def _holding(self, terms: tuple[Term, ...], beta: Array) -> float:
-        """See `Fit.holding`."""
+        """Torque per small error of position, relative to that before effects changed it."""
         scaling = [
             1.0 + float(beta[self.layout.coefficients(i)][0])
             for i, term in enumerate(terms)

@@ -164,7 +164,7 @@ class IntegratedShape:
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """See `Shape`."""
+        """Numbers of both directions, then those of the negative one; an assumed length is none."""
         names = _BOTH if self.negative is None else (*_BOTH, *_NEGATIVE)
         return tuple(name for name in names if not (self.assumed and name == _LENGTH))
 
@@ -176,12 +176,12 @@ class IntegratedShape:
         return dict(zip((*_BOTH, *_NEGATIVE), numbers, strict=True))
 
     def vector(self) -> Array:
-        """See `Shape`."""
+        """The numbers in the order of `variables`, shape (k,)."""
         values = self._values()
         return np.array([values[name] for name in self.variables])
 
     def moved(self, x: Array) -> Self:
-        """See `Shape`."""
+        """The same shape with other numbers, in the order of `variables`."""
         values = self._values() | dict(zip(self.variables, x.tolist(), strict=True))
         excess, log_Vs, delta, *logs, excess_negative, log_Vs_negative = values.values()
         length, *bend = np.exp(logs).tolist()
@@ -196,7 +196,7 @@ class IntegratedShape:
         )
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
-        """See `Shape`."""
+        """Bounds of Stribeck curve, presliding length and bends, in the order of `variables`."""
         low, high = level_bounds(vmax)
         bend = (float(np.log(_LEAST_BEND)), 0.0)
         each = [*zip(low, high, strict=True), length_bounds(span), bend, bend]
@@ -248,7 +248,7 @@ class IntegratedShape:
         return replace(self, negative=self.negative or (self.excess, self.Vs))
 
     def with_assumed_stiffness(self, reach: float) -> Self:
-        """See `Shape`."""
+        """The shape with a presliding length of at most `reach`, rad (m), not searched."""
         return replace(self, length=min(reach, self.length), assumed=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
@@ -296,7 +296,7 @@ class IntegratedShape:
     def tangents(
         self, time: Array, q: Array, edges: Index | None = None
     ) -> tuple[Array, Array, Array, Array]:
-        """See `Shape`."""
+        """`hysteresis` and its derivatives, by the tangent of the kernel, with assumed damping."""
         P = unit_block(self)
         own = self._block_tangents(P)
         H, rate, dH, drate = driven_with_tangents("integrated", P, own, time, q, edges)

@@ -211,7 +211,7 @@ class TunedTerm(SmoothTerm):
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """See `within`."""
+        """The range in which the number is tuned."""
         return (self.within,)
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:

@@ -120,7 +120,7 @@ class EffectTerm:
         return self.shape[0] if self.effect.delays else 0.0
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
+        """Torque per unit of each coefficient along a log, shape (n, k)."""
         return self._torques(segment, signals, np.eye(len(self.coefficients)))
 
     def torque(self, segment: Segment, signals: Array, coefficients: Array) -> Array:

@@ -28,7 +28,7 @@ class Timing:
 
     @property
     def delay(self) -> float:
-        """See `EffectTerm`."""
+        """0: the position of the log is not late."""
         return 0.0
 
     @property
@@ -72,11 +72,11 @@ class DriveTiming(Timing):
 
     @property
     def delay(self) -> float:
-        """See `EffectTerm`."""
+        """The offset of the drive, s."""
         return self.shape[0]
 
     def says(self, size: str) -> str:
-        """See `Timing`. A delay T within a sample turns an inertia into a viscosity, J w^2 T."""
+        """The note on a drive that leads or follows the position."""
         leads = "torque" if self.shape[0] > 0.0 else "position"
         return (
             f"Position and torque are offset by {size} ({leads} leads), less than a sample, "
@@ -100,7 +100,7 @@ class TargetTiming(Timing):
         return ((-0.5 * self.sample, self.sample),)
 
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
-        """See `DriveTerm`."""
+        """The controller with its delay changed by the offset."""
         return block, delay + self.shape[0]
 
     def figures(self, controller: Controller) -> dict[str, Any]:
@@ -113,7 +113,7 @@ class TargetTiming(Timing):
         return command_delay.figures(controller, self.shape) if late else {}
 
     def says(self, size: str) -> str:
-        """See `Timing`."""
+        """The note on targets that act early or late."""
         if self.shape[0] < 0.0:
             what = f"{size} earlier than if each was held until the next: they move on in between"
         else:
@@ -130,7 +130,7 @@ class VelocityAge(Timing):
     name = "age of the velocity"
 
     def says(self, size: str) -> str:
-        """See `Timing`."""
+        """The note on an old velocity in the controller's damping."""
         return (
             f"The velocity of the controller's damping is {size} {_side(self)}, less than a "
             "sample. The fit accounts for it: an inertia below kd times the sample time is not "
@@ -152,7 +152,7 @@ class DampingAge(Timing):
         return ((-0.5 * self.sample, 0.5 * self.sample),)
 
     def says(self, size: str) -> str:
-        """See `Timing`."""
+        """The note on an old velocity in viscous friction."""
         return (
             f"Viscous friction acts on a velocity that is {size} {_side(self)}, as in the steps "
             "of a simulation. The fit accounts for it: an inertia below its coefficient times half "

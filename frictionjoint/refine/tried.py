@@ -48,7 +48,7 @@ class Tried:
 
     @cached_property
     def masks(self) -> list[Mask]:
-        """See `guard.kinds`."""
+        """Samples to leave out together, one mask per kind of motion."""
         return kinds(self._objective.courses)
 
     @cached_property

@@ -1,6 +1,6 @@
 """Steps of a model in which some joints are free while the others follow their measured motion."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -12,35 +12,27 @@ class Prescribed:
     """Other joints of an arm on their measured motion."""
 
     def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, ids: list[int], motion: Array
+        self, model: mujoco.MjModel, data: mujoco.MjData, motion: Mapping[str, Sequence[Array]]
     ) -> None:
-        at, dofs = model.jnt_qposadr[ids].astype(int), model.jnt_dofadr[ids].astype(int)
+        """`motion`: position, velocity and acceleration by name, (n,) each; joints that the model
+        does not contain are left out."""
+        ids = {n: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) for n in motion}
+        names = [n for n, j in ids.items() if j >= 0]
+        joints = [ids[n] for n in names]
+        at, dofs = model.jnt_qposadr[joints].astype(int), model.jnt_dofadr[joints].astype(int)
         # every look into `data` makes an array anew
         self._moved = ((data.qpos, at), (data.qvel, dofs), (data.qacc, dofs))
-        self._motion = motion
+        in_time = np.array([motion[n] for n in names]).T if names else np.zeros((0, 3, 0))
+        self._motion = np.ascontiguousarray(in_time)
 
-    @classmethod
-    def of(
-        cls, model: mujoco.MjModel, data: mujoco.MjData, others: Mapping[str, Array]
-    ) -> "Prescribed | None":
-        """From ``"NAME.position"``, ``.velocity`` and ``.acceleration`` of joints, (n,) each.
-
-        None if the model contains none of them.
-        """
-        names = sorted({n.rpartition(".")[0] for n in others})
-        found = {n: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) for n in names}
-        known = {n: j for n, j in found.items() if j >= 0}
-        kinds = ("position", "velocity", "acceleration")
-        motion = np.array([[others[f"{n}.{k}"] for n in known] for k in kinds])
-        if not known:
-            return None
-        in_time = np.ascontiguousarray(np.moveaxis(motion, 2, 0))
-        return cls(model, data, list(known.values()), in_time)
+    def __bool__(self) -> bool:
+        return self._motion.size > 0
 
     def put(self, k: int) -> None:
         """Set the positions and velocities of the other joints at a sample."""
-        for (array, at), row in zip(self._moved, self._motion[k], strict=True):
-            array[at] = row
+        if self:
+            for (array, at), row in zip(self._moved, self._motion[k], strict=True):
+                array[at] = row
 
 
 class Free:

@@ -54,8 +54,12 @@ class Windows:
         self._motors = [(k, m) for k, n in enumerate(segments) if (m := motors[n])]
         self._joints = [model.joint(name).id for name in segments]
         self._links = [j for name in segments if (j := deflection(model, name)) >= 0]
-        moving = {n: x for n, x in first.others.items() if n.rpartition(".")[0] not in segments}
-        self._others = {n: np.interp(time, first.signals[:, TIME], x) for n, x in moving.items()}
+        grid, others = first.signals[:, TIME], first.others
+        kinds = ("position", "velocity", "acceleration")
+        self._others = {
+            n: [np.interp(time, grid, others[f"{n}.{kind}"]) for kind in kinds]
+            for n in {x.rpartition(".")[0] for x in others} - set(segments)
+        }
         self._length = max(2, round(WINDOW_S / self._dt))
 
     def errors(self) -> Array:
@@ -68,7 +72,7 @@ class Windows:
         at, dofs = _addresses(model, self._joints)
         behind, rates = _addresses(model, self._links)
         free = Free(model, data, [*self._joints, *self._links])
-        others = Prescribed.of(model, data, self._others)
+        others = Prescribed(model, data, self._others)
         memory, ours = self._memories(), _rows(model)
         part = np.arange(substeps)[:, None] / substeps
         drives = (1 - part) * self._drive[:-1, None] + part * self._drive[1:, None]

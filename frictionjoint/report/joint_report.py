@@ -26,8 +26,11 @@ if TYPE_CHECKING:
 
 Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found", "too-short-to-tell"]
-Intervals = tuple[tuple[float, float], tuple[float, float]]
+Interval = tuple[float, float]
+Intervals = tuple[Interval, Interval]
 SCHEMA = "frictionjoint/report-1"
+# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
+HARM = 0.05
 
 
 @dataclass(frozen=True)
@@ -132,6 +135,29 @@ class Looked:
         return {"chosen": self.chosen, "runner_up": self.runner_up, "rows": rows}
 
 
+@dataclass(frozen=True)
+class Torsion:
+    """The gear of one joint.
+
+    Attributes:
+        ratio: turns of the motor per turn of the link. twist_rms: without its mean, rad.
+        geared: by joint, turns of the motor with another joint relative to those with the link.
+        left_rms: rms of the unexplained twist, rad.
+        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad.
+        link_position_older: delay T of the link's position with respect to the motor's, s. Each is
+            None if the logs do not show it.
+    """
+
+    ratio: float
+    geared: dict[str, float]
+    twist_rms: float
+    left_rms: float
+    stiffness: Estimate | None
+    backlash: Estimate | None
+    hysteresis: Estimate | None
+    link_position_older: Estimate | None
+
+
 @dataclass(frozen=True, repr=False)
 class Report:
     """Result of `close_loop`.
@@ -148,6 +174,11 @@ class Report:
     model.xml; None if it contains none. `positions` are the simulated positions of the logs; empty
     if nothing was simulated.
     `recordings` states how each number varies between recordings, if there are three or more.
+
+    For a joint of a robot, `base` and the errors before are those of the law alone with the user's
+    model; `other_before` says whether `curves` and `positions` before are of another model, the one
+    with the causes that joints share. `increase` is the 95% paired interval of the increase of each
+    held-out error that increased, by its name. `torsion` is the gear between two encoders.
     """
 
     joint: str
@@ -176,7 +207,7 @@ class Report:
     thresholds: Mapping[str, float] = field(repr=False)
     proposals: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    closed_loops: tuple[LoopErrors, ...] | None = field(default=None, repr=False)
+    closed_loops: tuple[LoopErrors | None, LoopErrors] | None = field(default=None, repr=False)
     refined: RefinedModel | None = None
     controller: Controller | None = None
     reconstructed: bool = False
@@ -184,6 +215,9 @@ class Report:
     carried: JointFriction | None = field(default=None, repr=False)
     positions: tuple[SimulatedPosition, ...] = field(default=(), repr=False)
     recordings: tuple[dict[str, Any], ...] = field(default=(), repr=False)
+    other_before: bool = False
+    increase: Mapping[str, Interval] = field(default_factory=dict, repr=False)
+    torsion: Torsion | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         added = ", ".join(x.effect for x in self.added) or "nothing"
@@ -232,8 +266,29 @@ class Report:
                 root_mean_square((c.measured - x)[on]) if on.any() else None
                 for x in (c.before, c.after)
             )
-            found.append({"name": c.name, "role": c.role, "before": before, "after": after})
+            own = None if self.other_before else before
+            found.append({"name": c.name, "role": c.role, "before": own, "after": after})
         return found
+
+    @property
+    def worse(self) -> tuple[str, ...]:
+        """Held-out errors that are clearly larger after the change of the model.
+
+        The increase must exceed its confidence interval, and the squared error must grow by a
+        noticeable fraction. No shared cause may add such an increase to a joint.
+        """
+        pairs = {
+            "torque_rms": (self.before_torque.held_out, self.after_torque.held_out),
+            "replay_rms": (self.before_replay.held_out, self.after_replay.held_out),
+        }
+        found = []
+        for name, (low, _) in self.increase.items():
+            before, after = pairs[name]
+            assert before is not None
+            assert after is not None
+            if low > 0.0 and after**2 > (1.0 + HARM) * before**2:
+                found.append(name)
+        return tuple(found)
 
     @property
     def changed(self) -> bool:
@@ -251,7 +306,7 @@ class Report:
         return self.posterior.sample(n, seed)
 
     @property
-    def result_loops(self) -> tuple[LoopErrors, ...]:
+    def result_loops(self) -> tuple[LoopErrors | None, ...]:
         """Whole logs in closed loop, by the model before and by the result; empty without a
         controller."""
         if self.closed_loops is None:
@@ -262,10 +317,8 @@ class Report:
 
     def _closed_loop(self, which: int) -> dict[str, Any]:
         """Errors of the model before (0) or after (1); empty without a controller."""
-        if not self.result_loops:
-            return {}
-        found = self.result_loops[which]
-        return {"closed_loop_mae": found.mae, "closed_loop_rms": found.rms}
+        found = self.result_loops[which] if self.result_loops else None
+        return {"closed_loop_mae": found.mae, "closed_loop_rms": found.rms} if found else {}
 
     def _repr_html_(self) -> str:
         from frictionjoint.report.notebook import report_html
@@ -289,6 +342,22 @@ class Report:
         found: dict[str, Any] = content_of(self._content())
         return found
 
+    def in_robot(self) -> dict[str, Any]:
+        """The content for one joint of a robot: without the parts that belong to the robot."""
+        own = {k: x for k, x in self._content().items() if k not in ("schema", "joint", "logs")}
+        increase = {n: [x if np.isfinite(x) else None for x in y] for n, y in self.increase.items()}
+        own |= {"measured_rms": self.measured_rms, "increase": increase, "worse": self.worse}
+        if self.torsion:
+            own["torsion"] = self.torsion
+        found: dict[str, Any] = content_of(own)
+        return found
+
+    def _staged(self, pair: Intervals | None) -> dict[str, Interval] | None:
+        """An interval before and one after, as in report.json; none of another model's errors."""
+        if pair is None:
+            return None
+        return {"after": pair[1]} if self.other_before else {"before": pair[0], "after": pair[1]}
+
     def _content(self) -> dict[str, Any]:
         optional = {
             "refined": self._refined() if self.refined else None,
@@ -308,8 +377,8 @@ class Report:
                 "rms": {"before": self.drive_rms("before"), "after": self.drive_rms("after")},
             },
             "intervals": {
-                "torque_rms": _staged(self.torque_interval),
-                "replay_rms": _staged(self.replay_interval),
+                "torque_rms": self._staged(self.torque_interval),
+                "replay_rms": self._staged(self.replay_interval),
             },
             "bandwidth_hz": self.bandwidth_hz,
             "at_rest": self._at_rest(),
@@ -336,11 +405,6 @@ class Report:
             "notes": self.notes,
             "verdict": self.verdict,
         }
-
-
-def _staged(pair: Intervals | None) -> dict[str, tuple[float, float]] | None:
-    """An interval before and one after, as in report.json."""
-    return {"before": pair[0], "after": pair[1]} if pair else None
 
 
 def _both(carried: JointFriction) -> tuple[Friction, tuple[SimulatedEffect, ...]]:

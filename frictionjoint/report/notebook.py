@@ -1,14 +1,12 @@
 """A report in Jupyter: verdict, friction numbers, picture."""
 
+from base64 import b64encode
 from html import escape
 
 from frictionjoint.display import table
 from frictionjoint.report.joint_report import Report
-from frictionjoint.report.picture import PAGE_STYLE, draw, svg
+from frictionjoint.report.picture import draw, picture
 from frictionjoint.report.summary import summarise
-
-# a page's colours, readable on light and on dark
-_COLOURS = "--soft: #808080; --line: rgba(128, 128, 128, 0.3)"
 
 
 def report_html(report: Report) -> str:
@@ -17,5 +15,5 @@ def report_html(report: Report) -> str:
     lines = "".join(f"<p><b>{escape(k)}:</b> {escape(text)}</p>" for k, text in s.verdict_lines)
     rows = [(x.meaning, x.qualified) for x in s.friction]
     numbers = table(f"friction of joint {report.joint}", ("", "value"), rows)
-    picture = svg(draw(report, PAGE_STYLE), f"notebook-{report.joint}")
-    return f'{lines}{numbers}<div style="max-width: 60rem; {_COLOURS}">{picture}</div>'
+    image = b64encode(picture(draw(report), "png")).decode()
+    return f'{lines}{numbers}<img style="max-width: 60rem" src="data:image/png;base64,{image}">'

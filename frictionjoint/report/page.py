@@ -1,5 +1,6 @@
-"""report.html of one joint: a self-contained page."""
+"""Pages of a report: of one joint, of a robot, of several robots. Each is self-contained."""
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -7,7 +8,10 @@ from frictionjoint.report import charts, wording
 from frictionjoint.report.html import fill
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.numbers import status_of
+from frictionjoint.report.robot_report import RobotReport
+from frictionjoint.report.robot_summary import summarise_robot
 from frictionjoint.report.summary import Summary, summarise
+from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.report.wording import quantity
 
 FILTERS = {
@@ -19,7 +23,7 @@ FILTERS = {
 
 
 def render(report: Report, content: Mapping[str, Any]) -> str:
-    """The page as text.
+    """The page of one joint as text.
 
     Args:
         report: for the time series.
@@ -83,3 +87,48 @@ def _shows_presliding(report: Report) -> bool:
 def _widest(s: Summary) -> float:
     """The largest gain of a candidate, which scales the bars."""
     return max([0.1, *(c.gain for step in s.steps for c in step)])
+
+
+def render_robot(report: RobotReport, content: Mapping[str, Any]) -> str:
+    """The page of a robot as text; arguments as those of `render`."""
+    pictures = []
+    for name, joint in report.joints.items():
+        drive, _ = charts.drive_charts(joint, charts.worst_stretch(joint), "", before=False)
+        speed = charts.friction_speed(joint)
+        pictures.append((name, charts.small(drive), charts.small(speed)))
+    return fill(
+        "robot.html.j2",
+        FILTERS,
+        s=summarise_robot(content),
+        pages=page_names(list(report.joints)),
+        pictures=pictures,
+        made=content.get("made", {}),
+    )
+
+
+def render_units(report: UnitsReport, content: Mapping[str, Any]) -> str:
+    """The page of several robots of one kind as text, from the content of report.json."""
+    return fill(
+        "robot_units.html.j2",
+        {},
+        report=report,
+        sentences={name: unit_sentence(x) for name, x in content["units"].items()},
+        spreads=report.spreads,
+        made=content.get("made", {}),
+    )
+
+
+def unit_sentence(content: Mapping[str, Any]) -> str:
+    """A unit's verdict and errors in two sentences."""
+    missing, error = summarise_robot(content).verdict_lines[:2]
+    return f"{': '.join(missing)} {': '.join(error)}"
+
+
+def page_names(joints: list[str]) -> dict[str, str]:
+    """A file name per joint of a robot, of letters, digits, dots and dashes."""
+    found: dict[str, str] = {}
+    for i, name in enumerate(joints):
+        plain = re.sub(r"[^A-Za-z0-9._-]", "_", name)
+        text = f"joint_{plain}.html"
+        found[name] = f"joint_{i}_{plain}.html" if text in found.values() else text
+    return found

@@ -2,12 +2,9 @@
 
 import io
 import math
-import re
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 from typing import Any
 
-from markupsafe import Markup
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -21,8 +18,6 @@ _LAWS = "#1b9e77 #d95f02 #7570b3 #e7298a #66a61e #e6ab02 #a6761d #666666"
 COLOURS |= dict(zip(charts.LAW_COLOURS, _LAWS.split(), strict=True))
 # dashes let equal curves be seen
 _DASHED = charts.LAW_COLOURS[1::2]
-# stand for what the style sheet of a page decides
-_INK, _LINE = "#010203", "#040506"
 _STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.spines.right": False,
@@ -32,42 +27,25 @@ _STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "svg.fonttype": "none",
 }
-PAGE_STYLE = _STYLE | {
-    "axes.edgecolor": _LINE,
-    "axes.labelcolor": _INK,
-    "grid.color": _LINE,
-    "legend.labelcolor": _INK,
-    "text.color": _INK,
-    "xtick.color": _INK,
-    "ytick.color": _INK,
-}
-# what matplotlib numbers through a figure: of no use in a page of many
-_NUMBERED = re.compile(r' id="[A-Za-z0-9.]+_\d+"')
 _DPI = 150
 # inches
 _WIDE, _ROW = 10.0, 2.4
 
 
-def draw(report: Report, style: Mapping[str, Any] = MappingProxyType({})) -> Figure:
-    """Friction-speed curve, then drive and position of the worst held-out stretch, with errors.
-
-    Args:
-        style: matplotlib settings beyond those of all reports.
-    """
+def draw(report: Report) -> Figure:
+    """Friction-speed curve, then drive and position of the worst held-out stretch, with errors."""
     stretch = charts.worst_stretch(report)
     rows: list[charts.Chart] = [charts.friction_speed(report)]
     rows += charts.drive_charts(report, stretch, "", True)
     position = charts.worst_position(report)
     if position:
         rows += charts.position_charts(report, position, charts.worst_times(position), "")
-    return draw_charts(rows, f"joint {report.joint}, log {stretch.curve.name}", style)
+    return draw_charts(rows, f"joint {report.joint}, log {stretch.curve.name}")
 
 
-def draw_charts(
-    rows: Sequence[charts.Chart], title: str, style: Mapping[str, Any] = MappingProxyType({})
-) -> Figure:
+def draw_charts(rows: Sequence[charts.Chart], title: str) -> Figure:
     """Draw charts below each other."""
-    with rc_context(_STYLE | dict(style)):
+    with rc_context(_STYLE):
         heights = [_ROW * (0.6 if c.low else 1.0) for c in rows]
         figure = Figure(figsize=(_WIDE, sum(heights)), layout="constrained")
         axes = figure.subplots(len(rows), 1, height_ratios=heights, squeeze=False)[:, 0]
@@ -90,9 +68,9 @@ def draw_robot(report: RobotReport) -> Figure:
         figure = Figure(figsize=(_WIDE, _ROW * len(report.joints)), layout="constrained")
         axes = figure.subplots(len(report.joints), 2, squeeze=False)
         for (left, right), (name, result) in zip(axes, report.joints.items(), strict=True):
-            stretch = charts.worst_stretch(result.report)
-            draw_chart(left, charts.drive_charts(result.report, stretch, "", False)[0])
-            draw_chart(right, charts.friction_speed(result.report))
+            stretch = charts.worst_stretch(result)
+            draw_chart(left, charts.drive_charts(result, stretch, "", False)[0])
+            draw_chart(right, charts.friction_speed(result))
             left.set_title(name)
     return figure
 
@@ -119,21 +97,3 @@ def draw_chart(axes: Axes, chart: charts.Chart) -> None:
     axes.set_ylabel(chart.y_label)
     axes.ticklabel_format(scilimits=(-4, 5))
     axes.legend(fontsize=8, ncols=math.ceil(len(chart.series) / 2))
-
-
-def svg(figure: Figure, name: str) -> Markup:
-    """A figure as SVG in the colours of the page.
-
-    Args:
-        name: unique on the page.
-    """
-    buffer = io.StringIO()
-    with rc_context(PAGE_STYLE | {"svg.hashsalt": name}):
-        figure.savefig(buffer, format="svg", transparent=True, dpi=_DPI, metadata={"Date": None})
-    text = buffer.getvalue()
-    text = text[text.index("<svg") :]
-    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    text = re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"', r"\1", text, count=1)
-    text = re.sub(r' width="[\d.]+pt"| height="[\d.]+pt"', "", text, count=2)
-    text = _NUMBERED.sub("", text).replace(_INK, "var(--soft)").replace(_LINE, "var(--line)")
-    return Markup(text)

@@ -16,44 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCHEMA = "frictionjoint/report-2"
-# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
-HARM = 0.05
-Interval = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Torsion:
-    """The gear of one joint.
-
-    Attributes:
-        ratio: turns of the motor per turn of the link. twist: rms without its mean, rad.
-        geared: by joint, turns of the motor with another joint relative to those with the link.
-        left: rms of the unexplained twist, rad.
-        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad. older: delay T of the
-            link's position with respect to the motor's, s. Each is None if the logs do not show it.
-    """
-
-    ratio: float
-    geared: dict[str, float]
-    twist: float
-    left: float
-    stiffness: Estimate | None
-    backlash: Estimate | None
-    hysteresis: Estimate | None
-    older: Estimate | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
-        return {
-            "ratio": self.ratio,
-            "geared": self.geared,
-            "twist_rms": self.twist,
-            "left_rms": self.left,
-            "stiffness": self.stiffness,
-            "backlash": self.backlash,
-            "hysteresis": self.hysteresis,
-            "link_position_older": self.older,
-        }
 
 
 @dataclass(frozen=True)
@@ -102,79 +64,6 @@ class Excitation:
 
 
 @dataclass(frozen=True)
-class JointResult:
-    """Result of one joint.
-
-    Attributes:
-        report: of `close_loop` with the corrected model.
-        base, law: the law alone with the user's model, and its name.
-        before_torque, before_replay: its errors. measured_rms: of the torque, as the report's.
-        increase: 95% paired interval of the increase of each held-out error that increased:
-            "torque_rms", "replay_rms".
-        torsion: between motor and link, if both have an encoder.
-    """
-
-    report: Report = field(repr=False)
-    base: dict[str, Estimate]
-    law: str
-    before_torque: Rms
-    before_replay: Rms
-    increase: Mapping[str, Interval] = field(default_factory=dict)
-    torsion: Torsion | None = None
-
-    @property
-    def shared_before(self) -> bool:
-        """Whether the user's model and the corrected one differ before effects are added."""
-        return self.before_torque != self.report.before_torque
-
-    @property
-    def worse(self) -> tuple[str, ...]:
-        """Held-out errors that are clearly larger after the change of the model.
-
-        The increase must exceed its confidence interval, and the squared error must grow by a
-        noticeable fraction. No shared cause may add such an increase to a joint.
-        """
-        pairs = {
-            "torque_rms": (self.before_torque.held_out, self.report.after_torque.held_out),
-            "replay_rms": (self.before_replay.held_out, self.report.after_replay.held_out),
-        }
-        found = []
-        for name, (low, _) in self.increase.items():
-            before, after = pairs[name]
-            assert before is not None
-            assert after is not None
-            if low > 0.0 and after**2 > (1.0 + HARM) * before**2:
-                found.append(name)
-        return tuple(found)
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in report.json: report-1 without the parts that belong to the robot."""
-        found = self.report.to_dict()
-        for key in ("schema", "joint", "logs"):
-            del found[key]
-        found["base"] = content_of({"law": self.law, "parameters": self.base})
-        found["before"] = content_of(
-            {"torque_rms": self.before_torque, "replay_rms": self.before_replay}
-        )
-        if self.shared_before:
-            # errors before are those of the user's model, of which no interval is known
-            for pair in found["intervals"].values():
-                if pair:
-                    del pair["before"]
-            for row in found["log_errors"]:
-                row["before"] = None
-        found["measured_rms"] = self.report.measured_rms
-        found["increase"] = {
-            name: [x if np.isfinite(x) else None for x in interval]
-            for name, interval in self.increase.items()
-        }
-        found["worse"] = list(self.worse)
-        if self.torsion:
-            found["torsion"] = content_of(self.torsion)
-        return found
-
-
-@dataclass(frozen=True)
 class SharedCause:
     """A cause in the model that acts on several joints.
 
@@ -205,18 +94,11 @@ class RobotErrors:
 
     Attributes:
         torque_percent: of each joint's rms torque, averaged over joints.
-        replay: rms position error of free runs of all joints together, rad (m).
+        replay_rms: position error of free runs of all joints together, rad (m).
     """
 
     torque_percent: Rms
-    replay: Rms
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
-        return {
-            "torque_percent": self.torque_percent.to_dict(),
-            "replay_rms": self.replay.to_dict(),
-        }
+    replay_rms: Rms
 
 
 @dataclass(frozen=True, repr=False)
@@ -228,7 +110,7 @@ class RobotReport:
     """
 
     logs: tuple[LogEntry, ...]
-    joints: dict[str, JointResult]
+    joints: dict[str, Report]
     failed: dict[str, str]
     shared: tuple[SharedCause, ...]
     before: RobotErrors
@@ -240,15 +122,15 @@ class RobotReport:
     notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        joints = ", ".join(f"{n}: {x.report.verdict}" for n, x in self.joints.items())
+        joints = ", ".join(f"{n}: {x.verdict}" for n, x in self.joints.items())
         failed = f", failed: {', '.join(self.failed)}" if self.failed else ""
         return f"RobotReport({joints}{failed})"
 
     def summary(self) -> str:
         """Verdict, shared causes and a table of the joints as text."""
-        from frictionjoint.report.text import robot_text
+        from frictionjoint.report.text import summary_text
 
-        return robot_text(self.to_dict())
+        return summary_text(self.to_dict())
 
     def plot(self) -> "Figure":
         """Torque of the worst held-out stretch and friction-speed curve per joint (matplotlib)."""
@@ -259,8 +141,8 @@ class RobotReport:
     @property
     def verdict(self) -> Verdict:
         """`explained` if every joint is explained or has nothing to explain."""
-        found = {result.report.verdict for result in self.joints.values()}
-        if self.failed or any(result.worse for result in self.joints.values()):
+        found = {joint.verdict for joint in self.joints.values()}
+        if self.failed or any(joint.worse for joint in self.joints.values()):
             return "partly-explained"
         if len(found) == 1 and not self.shared:
             return found.pop()
@@ -269,7 +151,9 @@ class RobotReport:
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
         names = ("logs", "joints", "failed", "shared", "before", "after", "undetermined")
-        found: dict[str, Any] = content_of({name: getattr(self, name) for name in names})
+        joints = {name: joint.in_robot() for name, joint in self.joints.items()}
+        own = {name: getattr(self, name) for name in names} | {"joints": joints}
+        found: dict[str, Any] = content_of(own)
         proposals = [self.excitation.text] if self.excitation else []
         end = {"proposals": proposals, "notes": list(self.notes), "verdict": self.verdict}
         return {"schema": SCHEMA, **found, **end}
@@ -292,14 +176,13 @@ def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:
     )
 
 
-def notes_of(results: Mapping[str, JointResult]) -> tuple[str, ...]:
+def notes_of(joints: Mapping[str, Report]) -> tuple[str, ...]:
     """Notes of the joints, each with its joint's name unless all share it."""
     whose: dict[str, list[str]] = {}
-    for name, result in results.items():
-        for note in result.report.notes:
+    for name, joint in joints.items():
+        for note in joint.notes:
             whose.setdefault(note, []).append(name)
-    everyone = len(results)
     return tuple(
-        note if len(names) == everyone else f"{', '.join(names)}: {note}"
+        note if len(names) == len(joints) else f"{', '.join(names)}: {note}"
         for note, names in whose.items()
     )

@@ -87,7 +87,9 @@ class RobotSummary:
 
 
 def joint_content(content: Content, name: str) -> dict[str, Any]:
-    """The content of one joint of report-2, in the form of a report-1."""
+    """The content of one joint, in the form of a report-1."""
+    if "joints" not in content:
+        return dict(content)
     own = {key: content[key] for key in _ROBOT if key in content}
     return {**own, "joint": name, **content["joints"][name]}
 

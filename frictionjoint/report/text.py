@@ -11,11 +11,13 @@ _MOST_NOTES = 5
 
 
 def summary_text(content: Mapping[str, Any]) -> str:
-    """One joint: the verdict, the friction numbers, the effects, the most important notes.
+    """The verdict, the friction numbers, the effects or causes, the most important notes.
 
     Args:
-        content: of report.json, schema report-1.
+        content: of report.json, of one joint or of a robot.
     """
+    if "joints" in content:
+        return _robot_text(summarise_robot(content))
     s = summarise(content)
     lines = _labelled(s.verdict_lines)
     lines += ["", f"Friction of {s.joint or 'the joint'}, law {s.laws[1]}:"]
@@ -25,13 +27,7 @@ def summary_text(content: Mapping[str, Any]) -> str:
     return "\n".join([*lines, *_notes(s)])
 
 
-def robot_text(content: Mapping[str, Any]) -> str:
-    """A robot: the verdict, the shared causes, one line per joint, the most important notes.
-
-    Args:
-        content: of report.json, schema report-2.
-    """
-    s = summarise_robot(content)
+def _robot_text(s: RobotSummary) -> str:
     lines = _labelled(s.verdict_lines)
     for cause in s.shared:
         lines.append(f"  {cause.title}: {', '.join(cause.size)}")

@@ -78,8 +78,8 @@ class UnitsReport:
         """
         rows: dict[tuple[str, str, str], dict[str, Estimate]] = {}
         for unit, report in self.units.items():
-            for joint, result in report.joints.items():
-                for name, x in result.report.final.items():
+            for joint, own in report.joints.items():
+                for name, x in own.final.items():
                     rows.setdefault((joint, name, x.unit), {})[unit] = x
             for cause in report.shared:
                 owner = " of ".join(filter(None, (cause.cause, " and ".join(cause.place.values()))))

@@ -1,56 +1,16 @@
-"""Write a report's folder as a whole or not at all."""
+"""Write a folder as a whole or not at all."""
 
 import contextlib
-import json
 import os
 import secrets
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from frictionjoint.errors import FrictionJointError
-from frictionjoint.model_text import placed, require_compiles
-from frictionjoint.report.html import versions
-from frictionjoint.report.joint_report import Report
-from frictionjoint.report.page import render
 
-FILES = ("report.json", "report.html", "model.xml")
 _HIDDEN = ".frictionjoint-"
-
-
-def write_report(report: Report, folder: Path, command: str) -> None:
-    """Write report.json, report.html, model.xml and, if known, controller.toml into `folder`.
-
-    Raises:
-        FrictionJointError: the folder cannot be written, or the model would not load there.
-    """
-    content = report.to_dict() | {"made": made(command, report.seconds)}
-    contents = {
-        "report.json": json_text(content),
-        "report.html": render(report, content),
-        "model.xml": placed(report.mjcf, folder),
-    }
-    if report.controller is not None:
-        contents["controller.toml"] = report.controller.to_toml()
-    write_files(folder, contents, {"model.xml": require_compiles})
-
-
-def made(command: str, seconds: float | None = None) -> dict[str, Any]:
-    """How a report was made, as in report.json: command, date, versions, duration in s."""
-    found = {
-        "command": command,
-        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "versions": versions(),
-    }
-    return found if seconds is None else found | {"seconds": seconds}
-
-
-def json_text(content: Mapping[str, Any]) -> str:
-    """report.json as text."""
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
 def write_files(

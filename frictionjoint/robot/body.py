@@ -40,7 +40,7 @@ class CorrectedBody(RigidBody):
         acceleration: Array,
         others: Mapping[str, tuple[Array, Array, Array]] | None = None,
     ) -> RigidBodyTorque:
-        """See `RigidBody`."""
+        """Inverse dynamics along a motion, with what the shafts add to the load."""
         found = super().torque(position, velocity, acceleration, others)
         moves = {name: (q, v) for name, (q, v, _) in (others or {}).items()}
         moves[self.joint] = position, velocity

@@ -1,8 +1,8 @@
-"""From logs and a model of a whole robot to one report and one model."""
+"""From the logs and the model of one joint or of a whole robot to one report and one model."""
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mujoco
@@ -10,17 +10,23 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller_file import GivenController, controller_of
+from frictionjoint.diagnose.close_loop import explain
+from frictionjoint.diagnose.trace import INTEGRATED_LAW
 from frictionjoint.errors import FrictionJointError, LogError
+from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.earlier_friction import before_friction, said_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.measured.arguments import require_seed
 from frictionjoint.model_files import compile_model, read_spec
 from frictionjoint.model_text import model_text
+from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.replay.free_runs import friction_spec, replay_joints
-from frictionjoint.report.joint_report import Evidence
+from frictionjoint.report.joint_report import Evidence, Report
 from frictionjoint.report.robot_report import (
     RobotErrors,
     RobotReport,
@@ -43,98 +49,129 @@ from frictionjoint.robot.workers import Each, processes, workers
 from frictionjoint.threads import one_thread
 
 
-@one_thread
-def close_loop_robot(
-    logs: RobotLogs,
-    model: str | Path,
-    seed: int = 0,
-    progress: Callable[[str], None] = lambda text: None,
-    law: str | None = None,
-    fixed: Mapping[str, Pose] | None = None,
-    jobs: int | None = None,
-    scheduler: str | None = None,
-    controller: GivenController | None = None,
-    refine: bool | None = None,
-) -> RobotReport:
-    """Fit every joint, find shared causes, then the missing effects of each joint, and report.
+@dataclass(frozen=True)
+class Options:
+    """How logs are analysed, see `commands.close_loop`.
 
-    Args:
-        logs: of every joint. model: path or text of the MJCF or URDF.
-        seed: see `diagnose.close_loop`.
-        progress: called with a description of the current step.
-        law: see `diagnose.close_loop`.
-        fixed: see `diagnose.close_loop`.
-        jobs: processes; None: one per core. The result does not depend on it.
-        scheduler: address of a Dask scheduler whose workers analyse the joints instead.
-        controller: of all joints or of each, for logs with targets, see `diagnose.close_loop`.
-        refine: see `diagnose.close_loop`.
+    Attributes:
+        scheduler: address of a Dask scheduler whose workers analyse the joints of a robot instead
+            of `jobs` processes.
+    """
+
+    seed: int = 0
+    progress: Callable[[str], None] = lambda text: None
+    law: str | None = None
+    fixed: Mapping[str, Pose] | None = None
+    controller: GivenController | None = None
+    refine: bool | None = None
+    jobs: int | None = None
+    scheduler: str | None = None
+
+    def __post_init__(self) -> None:
+        require_seed(self.seed)
+        forms_of(self.law or INTEGRATED_LAW)
+
+
+def close_loop_logs(
+    logs: RobotLogs, model: str | Path | Mapping[str, str | Path], options: Options
+) -> Report | RobotReport:
+    """The report of one joint that was named alone, or of a robot.
+
     Raises:
         FrictionJointError: bad logs or model, in one line.
     """
+    return (
+        _one_joint(logs, model, options) if logs.alone else close_loop_robot(logs, model, options)
+    )
+
+
+def _one_joint(
+    logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
+) -> Report:
+    """One joint has no causes to share; its logs may have different loads."""
+    (joint,) = logs.joints
+    fit, held_out = logs.fit[joint], logs.held_out[joint]
+    bodies = Bodies(model, joint, how.fixed)
+    known = controller_of(how.controller, joint, bodies.models)
+    found = explain(fit, held_out, bodies, how.seed, how.progress, how.law, known, how.refine)
+    how.progress("comparing the recordings")
+    recordings = [*fit, *([] if logs.ends else held_out)]
+    # the model of the report has the load of the first log
+    loads, report = bodies.of(recordings), found.report
+    alike = [x for x, load in zip(recordings, loads, strict=True) if load is loads[0]]
+    if len(alike) < len(recordings):
+        note = f"Recordings are compared with each other only under the load of {fit[0].name}."
+        report = replace(report, notes=(*report.notes, note))
+    return with_recordings(report, alike, how.fixed)
+
+
+@one_thread
+def close_loop_robot(
+    logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
+) -> RobotReport:
+    """Fit every joint, find shared causes, then the missing effects of each joint, and report.
+
+    Raises:
+        FrictionJointError: bad logs or model, in one line.
+    """
+    assert not isinstance(model, Mapping)
     begin = time.perf_counter()
     model, carried = before_friction(model, logs.joints)
     compiled = compile_model(model)
     user = State(model)
     tasks = {
         n: Task(
-            *(n, logs.fit[n], logs.held_out[n], user, fixed, seed, law),
-            controller=controller_of(controller, n, [compiled]),
-            refine=refine,
+            *(n, logs.fit[n], logs.held_out[n], user, how.fixed, how.seed, how.law),
+            controller=controller_of(how.controller, n, [compiled]),
+            refine=how.refine,
         )
         for n in logs.joints
     }
-    count = processes(len(tasks)) if jobs is None else jobs
-    with workers(count, scheduler) as each:
-        progress(f"fitting the friction law of {len(tasks)} joints")
+    count = processes(len(tasks)) if how.jobs is None else how.jobs
+    with workers(count, how.scheduler) as each:
+        how.progress(f"fitting the friction law of {len(tasks)} joints")
         firsts = dict(zip(tasks, each(_first, tasks.values()), strict=True))
         failed = logs.failed | {n: x for n, x in firsts.items() if isinstance(x, str)}
         fitted = {n: x for n, x in firsts.items() if not isinstance(x, str)}
         if not fitted:
             raise LogError(next(iter(failed.values())))
-        shared = shared_causes(list(fitted.values()), logs.moving, each, seed, progress)
+        shared = shared_causes(list(fitted.values()), logs.moving, each, how.seed, how.progress)
         ready = _with_causes([tasks[n] for n in fitted], fitted, shared, model)
-        outcomes = dict(_side_by_side(ready, each, progress))
+        outcomes = dict(_side_by_side(ready, each, how.progress))
     done = {n: x for n, x in outcomes.items() if not isinstance(x, str)}
     failed |= {n: x for n, x in outcomes.items() if isinstance(x, str)}
     if not done:
         raise LogError(next(iter(failed.values())))
     corrected = ready[0].corrected
     assert corrected is not None
-    progress("choosing what to record next")
+    how.progress("choosing what to record next")
     settled = shared.settled.joints
     known = information(settled, logs.moving)
-    excitation = next_trajectory(settled, logs.moving, known, seed)
-    progress("simulating all joints together")
+    excitation = next_trajectory(settled, logs.moving, known, how.seed)
+    how.progress("simulating all joints together")
     poses = _poses(next(iter(fitted.values())))
     spec = _with_friction(corrected, {n: x.simulated for n, x in done.items()})
     spec.compile()
-    results = {n: x.result for n, x in done.items()}
+    reports = {n: x.report for n, x in done.items()}
+    simulated = {n: replace(x.after, fit=x.simulated) for n, x in done.items()}
     return RobotReport(
         logs=logs.entries,
-        joints=results,
+        joints=reports,
         failed=failed,
         shared=_stated(shared, done),
         before=RobotErrors(
-            mean_percent(
-                [(r.before_torque, r.report.drive_rms("before")) for r in results.values()]
-            ),
+            mean_percent([(r.before_torque, r.drive_rms("before")) for r in reports.values()]),
             _replay(user, {n: x.before for n, x in done.items()}, poses),
         ),
         after=RobotErrors(
-            mean_percent(
-                [(r.report.after_torque, r.report.drive_rms("after")) for r in results.values()]
-            ),
-            _replay(
-                corrected,
-                {n: replace(x.after, fit=x.simulated) for n, x in done.items()},
-                poses,
-            ),
+            mean_percent([(r.after_torque, r.drive_rms("after")) for r in reports.values()]),
+            _replay(corrected, simulated, poses),
         ),
-        undetermined=undetermined(known, {n: r.report.final for n, r in results.items()}),
+        undetermined=undetermined(known, {n: r.final for n, r in reports.items()}),
         excitation=excitation,
         mjcf=model_text(spec, corrected.mjcf),
         seconds=time.perf_counter() - begin,
-        notes=(*([said_of(carried)] if carried else ()), *logs.notes, *notes_of(results)),
+        notes=(*([said_of(carried)] if carried else ()), *logs.notes, *notes_of(reports)),
     )
 
 
@@ -253,8 +290,8 @@ def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause,
 
 def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:
     """Torque errors of a joint without and with an effect of its own; None if it has none."""
-    left = joint.result.report.before_torque
-    for added in joint.result.report.added:
+    left = joint.with_all
+    for added in joint.report.added:
         if added.effect == effect:
             return left, added.torque_rms
         left = added.torque_rms

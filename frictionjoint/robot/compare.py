@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.decisions import DISCREPANCY, SMALLEST_GAIN
-from frictionjoint.report.robot_report import HARM
+from frictionjoint.report.joint_report import HARM
 from frictionjoint.robot.stack import Stack
 
 

@@ -26,8 +26,8 @@ from frictionjoint.identify.start import predict, settled
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.replay.free_runs import replay, replay_rms
-from frictionjoint.replay.loops import Loops
-from frictionjoint.report.robot_report import Interval, JointResult
+from frictionjoint.replay.loops import LoopErrors, Loops
+from frictionjoint.report.joint_report import Interval, Report
 from frictionjoint.robot.along import Along
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.corrections import Corrections, Shaft
@@ -96,7 +96,7 @@ class Explained:
         without: torque errors of the law without each shared cause; with_all: with all of them.
     """
 
-    result: JointResult
+    report: Report
     before: Fitted
     after: Fitted
     simulated: Fit
@@ -132,35 +132,34 @@ def _explained(task: Task) -> Explained:
     trace, report = found.trace, with_recordings(found.report, task.logs, task.fixed)
     after = Fitted(trace.prepared, found.kept_back, trace.final)
     without: dict[int, Rms] = {}
-    if task.corrected == task.user:
-        before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
-        torque, place = report.before_torque, report.before_replay
-    else:
+    before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
+    with_all = report.before_torque
+    if task.corrected != task.user:
         assert task.original is not None
         alongs = _alongs(task, after)
         before = _law_alone(task, task.original, after, alongs, trace)
-        runs = _replays(before, task)
-        torque, place = _torque(before, trace), replay_rms(*runs) if runs else Rms(None, None)
+        runs, loops = _replays(before, task)
         without = {
             i: _torque(_law_alone(task, state, after, alongs, trace), trace)
             for i, state in task.without.items()
         }
-    cov = stated_covariance(before.prepared, before.fit)
+        cov = stated_covariance(before.prepared, before.fit)
+        report = replace(
+            report,
+            other_before=True,
+            base=law_estimates(before.fit, cov, body.slide),
+            laws=(law_parameters(before.fit), report.laws[1]),
+            before_torque=_torque(before, trace),
+            before_replay=replay_rms(*runs) if runs else Rms(None, None),
+            closed_loops=(loops, report.closed_loops[1]) if report.closed_loops else None,
+        )
     increase = {}
-    if report.after_torque.worse_than(torque):
+    if report.after_torque.worse_than(report.before_torque):
         increase["torque_rms"] = _torque_increase(before, after)
-    if report.after_replay.worse_than(place):
+    if report.after_replay.worse_than(report.before_replay):
         increase["replay_rms"] = _replay_increase(runs, found.runs[1])
-    result = JointResult(
-        report=report,
-        base=law_estimates(before.fit, cov, body.slide),
-        law=law_parameters(before.fit).law,
-        before_torque=torque,
-        before_replay=place,
-        increase=increase,
-        torsion=torsion(task.logs, trace.prepared),
-    )
-    return Explained(result, before, after, found.simulated, without, report.before_torque)
+    report = replace(report, increase=increase, torsion=torsion(task.logs, trace.prepared))
+    return Explained(report, before, after, found.simulated, without, with_all)
 
 
 def _alongs(task: Task, after: Fitted) -> list[tuple[Along, ...]]:
@@ -207,18 +206,19 @@ def _torque_increase(before: Fitted, after: Fitted) -> Interval:
     return error_increase(one.error[both] * gain, other.error[both], log_index[both])
 
 
-def _replays(fitted: Fitted, task: Task) -> Runs | None:
-    """Free runs with the user's model, as in the joint's own report: from the target if there is a
-    controller; None without a torque scale."""
+def _replays(fitted: Fitted, task: Task) -> tuple[Runs | None, LoopErrors | None]:
+    """Free runs with the user's model, as in the joint's own report, and closed loops if these are
+    from the target; None without a torque scale."""
     if fitted.fit.in_drive_units:
-        return None
+        return None, None
     body = task.user.body(task.joint, task.fixed)
     if task.controller:
         pairs = [(logs, [body] * len(logs)) for logs in (task.logs, task.held_out)]
         if loops := Loops.of(pairs, task.controller):
-            return loops.errors([fitted.fit])[0].replays
+            errors = loops.errors([fitted.fit])[0]
+            return errors.replays, errors
     held = replay(fitted.kept_back, body, fitted.fit) if fitted.kept_back else None
-    return replay(fitted.prepared, body, fitted.fit), held
+    return (replay(fitted.prepared, body, fitted.fit), held), None
 
 
 def _replay_increase(before: Runs | None, after: Runs | None) -> Interval:

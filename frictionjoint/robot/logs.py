@@ -1,21 +1,22 @@
-"""Logs of a whole robot: every joint of every log, fitted or held out."""
+"""Logs of one joint or of a whole robot: every joint of every log, fitted or held out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeVar
 
 import numpy as np
 
-from frictionjoint.errors import LogError, NoMotionError, few
+from frictionjoint.errors import LogError, ModelError, NoMotionError, few
 from frictionjoint.identify.driven_joints import joints_to_explain
 from frictionjoint.measured.log import JointLog, split_each_in_time
 from frictionjoint.measured.long_logs import bounded
-from frictionjoint.measured.readers import read_log, require_logs
+from frictionjoint.measured.readers import read_log
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
 from frictionjoint.report.joint_report import LogEntry, Role
 
+LogLike = JointLog | str | Path
 # of a log among those of a joint: its name, and how many before it have that
 Place = tuple[str, int]
 
@@ -45,21 +46,27 @@ class RobotLogs:
     Attributes:
         fit, held_out: by joint, base first. failed: why a joint's logs cannot be used, by joint.
         at_rest: names of the logs in which a joint stands still, by joint.
+        alone: whether the user named one joint, not a robot.
+        ends: whether the ends of fitted logs are held out.
     """
 
     fit: dict[str, list[JointLog]]
     held_out: dict[str, list[JointLog]]
     failed: dict[str, str]
     at_rest: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    alone: bool = False
+    ends: bool = False
 
     @classmethod
     def read(
         cls,
-        joints: Sequence[str],
-        logs: Sequence[str | Path],
-        kept: Sequence[str | Path],
+        logs: Sequence[LogLike],
+        kept: Sequence[LogLike],
         fraction: float | None,
-        read: Callable[[str | Path, str], JointLog],
+        model: str | Path | Mapping[str, str | Path],
+        joint: str | Sequence[str] | None = None,
+        read: Callable[[str | Path, str], JointLog] = read_log,
+        columns: dict[str, str] | None = None,
     ) -> "RobotLogs":
         """Every joint's logs; long logs are decimated.
 
@@ -67,21 +74,36 @@ class RobotLogs:
         nothing of their friction in motion and are left out for them.
 
         Args:
-            joints: names, base first. logs: to fit. kept: to hold out. fraction: of each log to
-                fit, to hold out at its end. read: reads one log of a joint.
+            logs: to fit. kept: to hold out. fraction: of each log to fit, to hold out at its end.
+            model: path or text of the MJCF or URDF.
+            joint: name of one joint, whose logs are all needed; names, base first; None: all joints
+                of the model with a logged drive.
+            read: reads one log of a joint. columns: see `read_log`.
         Raises:
-            LogError: that of the first joint, if no joint can be used.
+            LogError: that of the first joint, if no joint can be used; see `joints_to_explain`.
         """
-        found = cls({}, {}, {})
-        for name in joints:
+        found = cls({}, {}, {}, alone=isinstance(joint, str), ends=fraction is not None)
+        if isinstance(joint, str):
+            own, held_out = (
+                [x if isinstance(x, JointLog) else read(x, joint) for x in some]
+                for some in (logs, kept)
+            )
+            found._add(joint, own, held_out, fraction)
+            for log in found.fit[joint]:
+                require_motion(f"{log.name}, {joint}", log.position)
+            return found
+        files = [x for x in (*logs, *kept) if not isinstance(x, JointLog)]
+        if len(files) < len(logs) + len(kept):
+            raise LogError("the logs of a robot are files: give paths, or the name of one joint")
+        if isinstance(model, Mapping):
+            raise ModelError("several joints share one model: give its path, without patterns")
+        for name in joint or joints_to_explain(files, compile_model(model), columns):
             try:
-                (own, still), (held_out, also) = (_in_motion(x, name, read) for x in (logs, kept))
+                parts = files[: len(logs)], files[len(logs) :]
+                (own, still), (held_out, also) = (_in_motion(x, name, read) for x in parts)
                 if not own:
                     raise next(iter(still.values()))
-                if fraction is not None:
-                    own, ends = split_each_in_time(own, fraction)
-                    held_out = [*held_out, *ends]
-                found.fit[name], found.held_out[name] = bounded(own), bounded(held_out)
+                found._add(name, own, held_out, fraction)
                 if still or also:
                     found.at_rest[name] = tuple(still | also)
             except LogError as error:
@@ -89,6 +111,14 @@ class RobotLogs:
         if not found.fit:
             raise LogError(next(iter(found.failed.values())))
         return found
+
+    def _add(
+        self, joint: str, own: list[JointLog], held_out: list[JointLog], fraction: float | None
+    ) -> None:
+        if fraction is not None:
+            own, ends = split_each_in_time(own, fraction)
+            held_out = [*held_out, *ends]
+        self.fit[joint], self.held_out[joint] = bounded(own), bounded(held_out)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -148,26 +178,3 @@ def _in_motion(
         except NoMotionError as error:
             still[Path(path).stem] = error
     return moves, still
-
-
-def read_robot(
-    logs: Sequence[str | Path],
-    model: str | Path,
-    held_out: Sequence[str | Path] | float = 0.25,
-    joints: Sequence[str] | None = None,
-) -> RobotLogs:
-    """Read every joint of every log.
-
-    Args:
-        model: path or text of the MJCF or URDF.
-        held_out: logs, or the fraction of each log to hold out at its end.
-        joints: names; None: all joints of the model with a logged drive.
-    Raises:
-        LogError: there is no log; see `read_log` and `joints_to_explain`.
-    """
-    require_logs(logs, held_out)
-    files = held_out if not isinstance(held_out, float | int) else []
-    names = joints or joints_to_explain([*logs, *files], compile_model(model))
-
-    fraction = float(held_out) if isinstance(held_out, float | int) else None
-    return RobotLogs.read(names, logs, files, fraction, read_log)

@@ -10,7 +10,7 @@ from scipy.stats import t as student
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.blocks import correlation_time
-from frictionjoint.report.robot_report import Interval
+from frictionjoint.report.joint_report import Interval
 
 _CORRELATION_TIMES = 5.0
 

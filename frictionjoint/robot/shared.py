@@ -12,7 +12,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.report.robot_report import HARM
+from frictionjoint.report.joint_report import HARM
 from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause

@@ -22,7 +22,7 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.measured.log import JointLog
-from frictionjoint.report.robot_report import Torsion
+from frictionjoint.report.joint_report import Torsion
 
 # standard errors from which on a part of the twist is there
 _SURE = 4.0
@@ -65,12 +65,12 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     return Torsion(
         ratio=1.0 / ratio,
         geared=geared,
-        twist=size,
-        left=root_mean_square(best.residual),
+        twist_rms=size,
+        left_rms=root_mean_square(best.residual),
         stiffness=_inverse(best.estimate("torque"), per),
         backlash=_twice(best.estimate("gap"), slope),
         hysteresis=_twice(best.estimate("lag"), slope),
-        older=_delay(best),
+        link_position_older=_delay(best),
     )
 
 

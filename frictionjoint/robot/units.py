@@ -1,33 +1,23 @@
 """Several robots of one kind: the parameters of each unit, and their variation between units."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
-from frictionjoint.control.controller_file import GivenController
 from frictionjoint.errors import FrictionJointError, LogError
-from frictionjoint.identify.held import Pose
 from frictionjoint.report.robot_report import RobotReport
 from frictionjoint.report.units_report import UnitsReport
-from frictionjoint.robot.close_loop import close_loop_robot
+from frictionjoint.robot.close_loop import Options, close_loop_robot
 from frictionjoint.robot.logs import RobotLogs
 
 
 def close_loop_units(
-    units: Mapping[str, RobotLogs],
-    model: str | Path,
-    seed: int = 0,
-    progress: Callable[[str], None] = lambda text: None,
-    law: str | None = None,
-    fixed: Mapping[str, Pose] | None = None,
-    jobs: int | None = None,
-    scheduler: str | None = None,
-    controller: GivenController | None = None,
-    refine: bool | None = None,
+    units: Mapping[str, RobotLogs], model: str | Path | Mapping[str, str | Path], how: Options
 ) -> UnitsReport:
     """`close_loop_robot` for each unit; a unit without a result does not stop the others.
 
     Args:
-        units: logs by the unit's name. Others: see `close_loop_robot`.
+        units: logs by the unit's name. model: path or text of the MJCF or URDF of all units.
     Raises:
         LogError: no unit has a result.
     """
@@ -36,12 +26,10 @@ def close_loop_units(
     for name, logs in units.items():
 
         def say(text: str, unit: str = name) -> None:
-            progress(f"{unit}: {text}")
+            how.progress(f"{unit}: {text}")
 
         try:
-            found[name] = close_loop_robot(
-                logs, model, seed, say, law, fixed, jobs, scheduler, controller, refine
-            )
+            found[name] = close_loop_robot(logs, model, replace(how, progress=say))
         except FrictionJointError as error:
             failed[name] = str(error)
     if not found:

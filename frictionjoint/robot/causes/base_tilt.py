@@ -19,27 +19,27 @@ class BaseTilt(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """See `Cause`."""
+        """Empty: the base is one."""
         return {}
 
     @property
     def steps(self) -> Array:
-        """See `Cause`."""
+        """0.1 mrad about each axis."""
         return np.full(2, 1e-4)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `Cause`."""
+        """Free: the base may be tilted by any angle."""
         return (FREE, FREE)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """See `Cause`."""
+        """Gravity rotated about both axes."""
         axes = _across(state.gravity)
         turned = Rotation.from_rotvec(x @ axes).apply(state.gravity)
         return replace(state, gravity=np.asarray(turned))
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """See `Cause`."""
+        """Angle of the tilt, and the components of gravity."""
         g = self.applied(state, x).gravity
         return {"angle": (float(np.linalg.norm(x)), "rad")} | {
             f"gravity_{axis}": (float(c), "m/s^2") for axis, c in zip("xyz", g, strict=True)

@@ -41,17 +41,17 @@ class BodyInertia(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """See `Cause`."""
+        """The body."""
         return {"body": self.body_name}
 
     @property
     def steps(self) -> Array:
-        """See `Cause`."""
+        """1e-5 of each number, which is dimensionless or a length."""
         return np.full(_SIZES[self.form], 1e-5)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `Cause`."""
+        """The farthest change of each number."""
         found = [(-_FURTHEST, _FURTHEST)] * _SIZES[self.form]
         if self.form == "mass and centre":
             found[1:] = [(-_FURTHEST * self.size, _FURTHEST * self.size)] * 3
@@ -59,7 +59,7 @@ class BodyInertia(Cause):
 
     @property
     def prior(self) -> Array:
-        """See `Cause`."""
+        """About the model's own value; the size of the body for a shift of its centre."""
         # standard deviation of the relative change of each entry of T: undetermined numbers stay
         # near the model's
         found = np.ones(_SIZES[self.form])
@@ -68,7 +68,7 @@ class BodyInertia(Cause):
         return found
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """See `Cause`."""
+        """The ten parameters of the body, changed so that it stays physically possible."""
         return state.with_body(self.body, self._changed(state.phi[self.body], x))
 
     def _changed(self, phi: Array, x: Array) -> Array:
@@ -86,7 +86,7 @@ class BodyInertia(Cause):
         return of_pseudo(half @ half.T)
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """See `Cause`."""
+        """Mass, centre and inertia of the body after the change, as far as the form has them."""
         before = state.phi[self.body]
         after = self._changed(before, x)
         found = {

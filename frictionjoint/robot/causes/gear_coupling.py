@@ -36,29 +36,29 @@ class GearCoupling(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """See `Cause`."""
+        """The two joints that the shaft couples."""
         return {"joint": self.joints[0], "other_joint": self.joints[1]}
 
     @property
     def steps(self) -> Array:
-        """See `Cause`."""
+        """1 of each number: the torque is linear in all of them."""
         return np.ones(len(self.bounds))
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `Cause`."""
+        """Nonnegative losses and inertia; a wave of any phase."""
         # where a tendon's damping is one number a model cannot hold a curve
         even = POSITIVE, POSITIVE, POSITIVE if tendons_bend() else (0.0, 0.0), POSITIVE
         return (*even, FREE, FREE) if self.waves else even
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """See `Cause`."""
+        """The shaft, as one more tendon."""
         numbers = dict(zip(SHAFT_NUMBERS, map(float, x), strict=False))
         shaft = Shaft(self.joints, self.ratio, self.top, waves=self.waves, **numbers)
         return replace(state, shafts=(*state.shafts, shaft))
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """See `Cause`."""
+        """Losses, inertia and ratio of the shaft, and its wave if it has one."""
         found = {
             "level": (float(x[0]), "N m"),
             "viscous": (float(x[1]), "N m s/rad"),

@@ -20,24 +20,24 @@ class JointOffset(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """See `Cause`."""
+        """The joint."""
         return {"joint": self.joint}
 
     @property
     def steps(self) -> Array:
-        """See `Cause`."""
+        """1 mrad (1 mm)."""
         return np.full(1, 1e-3)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `Cause`."""
+        """Free: an encoder may be mounted at any angle."""
         return (FREE,)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """See `Cause`."""
+        """The joint's zero shifted further."""
         here = state.offset.get(self.joint, 0.0) + float(x[0])
         return replace(state, offset=state.offset | {self.joint: here})
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """See `Cause`."""
+        """The offset, rad (m)."""
         return {"offset": (float(x[0]), "m" if self.slide else "rad")}

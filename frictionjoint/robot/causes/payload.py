@@ -37,27 +37,27 @@ class Payload(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """See `Cause`."""
+        """The body that carries it."""
         return {"body": self.body_name}
 
     @property
     def steps(self) -> Array:
-        """See `Cause`."""
+        """0.1 mg of mass, since the centre is the moment over the mass; else 1e-5."""
         return np.array([1e-7, 1e-5, 1e-5, 1e-5, 1e-5])
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `Cause`."""
+        """A positive mass, any centre, a nonnegative inertia."""
         return ((_LEAST, np.inf), FREE, FREE, FREE, POSITIVE)
 
     def rays(self, x: Array) -> list[Array]:
-        """See `Cause`. The first moment is determined first; the distance of the mass is not."""
+        """The found moment with the mass that it has at each of several distances."""
         moment, inertia = float(np.linalg.norm(x[1:4])), max(0.0, float(x[4]))
         masses = [moment / reach for reach in _REACHES if moment]
         return [np.array([mass, *x[1:4], inertia]) for mass in masses]
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """See `Cause`."""
+        """The parameters of the body plus those of a sphere at the centre."""
         added = np.zeros(TEN)
         added[:4] = x[:4]
         if x[0] > _NONE:
@@ -66,7 +66,7 @@ class Payload(Cause):
         return state.with_body(self.body, state.phi[self.body] + added)
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """See `Cause`."""
+        """Mass, centre in the frame of the body, inertia."""
         centre = x[1:4] / max(float(x[0]), _NONE)
         return (
             {"mass": (float(x[0]), "kg")}

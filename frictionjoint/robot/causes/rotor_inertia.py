@@ -25,30 +25,30 @@ class RotorInertia(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """See `Cause`."""
+        """The joint."""
         return {"joint": self.joint}
 
     def acts_on(self, joint: str) -> bool:
-        """See `Cause`."""
+        """Only its own joint accelerates the rotor."""
         return joint == self.joint
 
     @property
     def steps(self) -> Array:
-        """See `Cause`."""
+        """1 kg m^2: the torque is linear in it."""
         return np.ones(1)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `Cause`."""
+        """The sum with the armature of the model is not negative."""
         return ((-self.armature, np.inf),)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """See `Cause`."""
+        """The armature of the joint with the rotor."""
         here = state.armature.get(self.joint, 0.0) + float(x[0])
         return replace(state, armature=state.armature | {self.joint: here})
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """See `Cause`."""
+        """The whole armature, and the part that the model lacks."""
         unit = "kg" if self.slide else "kg m^2"
         return {
             "armature": (self.armature + float(x[0]), unit),

@@ -24,22 +24,22 @@ class Together(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """See `Cause`."""
+        """The places of all members."""
         return {self.where: ", ".join(place_of(x) for x in self.members)}
 
     @property
     def steps(self) -> Array:
-        """See `Cause`."""
+        """Those of the members, one after the other."""
         return np.concatenate([x.steps for x in self.members])
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """See `Cause`."""
+        """Those of the members, one after the other."""
         return tuple(b for x in self.members for b in x.bounds)
 
     @property
     def prior(self) -> Array:
-        """See `Cause`."""
+        """Those of the members, one after the other."""
         return np.concatenate([x.prior for x in self.members])
 
     def parts(self, x: Array) -> tuple[Array, ...]:
@@ -47,11 +47,11 @@ class Together(Cause):
         return tuple(np.split(x, np.cumsum([len(c.start) for c in self.members])[:-1]))
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """See `Cause`."""
+        """Corrections with all members added."""
         return composed(self.members, self.parts(x), state)
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """See `Cause`."""
+        """Values of all members, each name after the member's place."""
         found = {}
         for member, own in zip(self.members, self.parts(x), strict=True):
             for name, value in member.values(state, own).items():
