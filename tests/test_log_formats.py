@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet
 import pytest
 
-from frictionjoint.cli.logs import Reading, log_paths
+from frictionjoint.cli.logs import LogOptions, log_paths
 from frictionjoint.errors import LogError
 from frictionjoint.measured import read_log
 from frictionjoint.measured.readers import joints_with_drive, log_files
@@ -117,16 +117,16 @@ def test_episodes_of_a_data_set_are_logs_of_their_own(tmp_path: Path) -> None:
     assert [x.name for x in log_files(folder)] == ["arm#0", "arm#1", "arm#2"]
     found = log_paths([folder], [f"{folder}#1"])
     assert [x.name for x in found.logs] == ["arm#0", "arm#2"]
-    assert found.held_out == [f"{folder}#1"]
-    reading = Reading("kElbow", units={"position": "rad"})
-    logs = [reading.read(path) for path in found.logs]
+    assert found.kept == [Path(f"{folder}#1")]
+    read = LogOptions(unit=["position=rad"]).reader(found)
+    logs = [read(path, "kElbow") for path in found.logs]
     assert [log.name for log in logs] == ["arm#0", "arm#2"]
     np.testing.assert_allclose(logs[1].position - logs[0].position, 2.0)
     assert [x.name for x in log_files(f"{folder}#0-1")] == ["arm#0", "arm#1"]
     with pytest.raises(LogError, match="no episode 7, it has 0 to 2"):
         log_files(f"{folder}#0,7")
     with pytest.raises(LogError, match="several episodes, it has 0 to 2: name one as arm#N"):
-        reading.read(folder)
+        read(folder, "kElbow")
     with pytest.raises(LogError, match="give --unit position=deg or position=rad"):
         read_log(f"{folder}#0", "kElbow")
 
@@ -137,7 +137,7 @@ def test_a_folder_of_logs_is_all_of_them_but_those_held_out(tmp_path: Path) -> N
     (tmp_path / "notes.md").write_text("rig 3")
     found = log_paths([tmp_path], [str(tmp_path / "c.csv"), "0.2"])
     assert [x.name for x in found.logs] == ["a.csv", "b.csv"]
-    assert found.held_out == ["0.2", str(tmp_path / "c.csv")]
+    assert (found.kept, found.fraction) == ([tmp_path / "c.csv"], 0.2)
     (tmp_path / "empty").mkdir()
     with pytest.raises(LogError, match="a folder without a log"):
         log_paths([tmp_path / "empty"], [])
@@ -157,7 +157,7 @@ def test_a_file_per_signal_is_one_log(tmp_path: Path) -> None:
     assert set(log.target) == {0.0, 1.0, 2.0, 3.0, 4.0}
     assert "joined from 3 files" in log.notes[0]
     found = log_paths([tmp_path], [], join=True)
-    again = Reading("j", {"torque_nm": "current"}, joined=found.joined).read(found.logs[0])
+    again = LogOptions(column=["torque_nm=current"]).reader(found)(found.logs[0], "j")
     np.testing.assert_array_equal(again.torque, log.torque)
     with pytest.raises(LogError, match="1 file, give one file per signal"):
         read_joined([tmp_path / "current.csv"])

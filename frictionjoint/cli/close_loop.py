@@ -3,7 +3,6 @@
 import json
 import shlex
 import sys
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -18,8 +17,8 @@ from frictionjoint.cli.logs import (
     Fixed,
     LogOptions,
     Model,
+    columns_of,
     joints_of,
-    kept_of,
     log_paths,
     models_of,
     paths_of,
@@ -130,9 +129,8 @@ def close_loop_command(
     if not (logs or robot):
         raise LogError("no log: give one or more, or robots with --robot NAME=LOG")
     paths = log_paths(logs or [], held_out or ["0.25"], options.join)
-    kept, fraction = kept_of(paths.logs, paths.held_out)
     units = robots_of(robot or [])
-    if units and (paths.logs or kept):
+    if units and (paths.logs or paths.kept):
         raise LogError("--robot: give every log as NAME=LOG, and a fraction to --held-out")
     names = joint or []
     if len(set(names)) < len(names):
@@ -145,17 +143,19 @@ def close_loop_command(
         raise ModelError("--model: several joints share one model, give one without a pattern")
     if alone and scheduler:
         raise LogError("--scheduler distributes the joints of a robot: omit it for one joint")
-    reading, command = options.reading("", paths), shlex.join(["frictionjoint", *sys.argv[1:]])
+    read, columns = options.reader(paths), columns_of(options.column)
+    command = shlex.join(["frictionjoint", *sys.argv[1:]])
 
     def logs_of(own: list[Path]) -> RobotLogs:
-        return RobotLogs.read(
-            *(own, kept, fraction, mjcf, alone or names),
-            lambda log, name: replace(reading, joint=name).read(log),
-            reading.columns,
-        )
+        return RobotLogs.read(own, paths.kept, paths.fraction, mjcf, alone or names, read, columns)
 
     with progress() as say:
-        inputs = [*paths.logs, *kept, *(x for own in units.values() for x in own), *paths_of(model)]
+        inputs = [
+            *paths.logs,
+            *paths.kept,
+            *(x for own in units.values() for x in own),
+            *paths_of(model),
+        ]
         require_writable(out, inputs, force, FILES[:2] if units else FILES)
         how = Options(seed, say, law, poses(fixed), controller, refine, None, scheduler)
         if units:

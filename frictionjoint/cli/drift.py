@@ -58,11 +58,11 @@ def drift(
     with progress() as say:
         paths = log_paths(logs, [], options.join)
         known = replace(known_of(report, joint), fixed=poses(fixed))
-        reading = options.reading(known.joint, paths)
+        read = options.reader(paths)
         say("comparing")
         given = controller or controller_file(report, known.joint)
         drives = controller_of(given, known.joint, [compile_model(known.model)])
-        new = [with_known_drive(reading.read(path), drives) for path in paths.logs]
+        new = [with_known_drive(read(path, known.joint), drives) for path in paths.logs]
         rows = compared(known, new)
     changed = [x.name for x in rows if x.state == "changed"]
     if as_json:

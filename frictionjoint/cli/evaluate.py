@@ -1,7 +1,6 @@
 """The command `evaluate`: the error of a model on logs."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -66,16 +65,9 @@ def evaluate(
         paths = log_paths(logs, [], options.join)
         if out is not None:
             require_writable(out, [*paths.logs, model], force, FILES)
-        reading = options.reading("", paths)
+        read = options.reader(paths)
         say("evaluating")
-        found = run(
-            model,
-            paths.logs,
-            joint,
-            controller,
-            poses(fixed),
-            lambda path, name: replace(reading, joint=name).read(path),
-        )
+        found = run(model, paths.logs, joint, controller, poses(fixed), read)
         text = json.dumps(found.to_dict(), indent=2)
         if out is not None:
             say("writing the page")

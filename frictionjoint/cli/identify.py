@@ -63,8 +63,8 @@ def identify(
         paths = log_paths(logs, [], options.join)
         require_writable(out, [*paths.logs, *paths_of(model)], force)
         joint = the_joint(joint, model)
-        reading = options.reading(joint, paths)
-        read = [reading.read(path) for path in paths.logs]
+        read_one = options.reader(paths)
+        read = [read_one(path, joint) for path in paths.logs]
         found = identify_law(read, models_of(model), joint, law, poses(fixed), controller, say)
         write_files(out.parent, {out.name: found.to_toml()})
     if as_json:

@@ -3,7 +3,7 @@
 import functools
 import inspect
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -161,35 +161,6 @@ def the_joint(asked: str | None, model: list[str]) -> str:
 
 
 @dataclass(frozen=True)
-class Reading:
-    """How the logs of a command are read, from the texts of its options.
-
-    Attributes:
-        columns, signals, wrap, units: see `read_log`. gain: N m per unit of drive, or None.
-        joined: files of a log that has one per signal, by the path that stands for it.
-    """
-
-    joint: str
-    columns: dict[str, str] = field(default_factory=dict)
-    signals: tuple[str, ...] = ()
-    wrap: float | None = None
-    gain: float | None = None
-    units: dict[str, str] = field(default_factory=dict)
-    joined: dict[Path, list[Path]] = field(default_factory=dict)
-    drop_nan: bool = False
-
-    def read(self, path: str | Path) -> "JointLog":
-        """Read one log."""
-        from frictionjoint.measured.readers import read_log
-        from frictionjoint.measured.several_files import read_joined
-
-        how = self.joint or None, self.columns, self.signals, self.wrap, self.units
-        files = self.joined.get(Path(path))
-        log = read_joined(files, *how) if files else read_log(path, *how, self.drop_nan)
-        return log if self.gain is None else log.with_gain(self.gain)
-
-
-@dataclass(frozen=True)
 class LogOptions:
     """Options of every command that reads logs, as given; see `reads_logs`."""
 
@@ -201,19 +172,26 @@ class LogOptions:
     gain: float | None = None
     signal: list[str] | None = None
 
-    def reading(self, joint: str, paths: "LogPaths") -> Reading:
-        """How to read a joint from these logs; "" for the only joint of a log.
+    def reader(self, paths: "LogPaths") -> "Callable[[str | Path, str], JointLog]":
+        """A function that reads a joint, "" for the only one, of one of these logs.
 
         Raises:
             LogError: a column is not OURS=THEIRS, or a unit not QUANTITY=UNIT.
         """
+        from frictionjoint.measured.readers import read_log
+        from frictionjoint.measured.several_files import read_joined
         from frictionjoint.measured.units import check_units, units_of
 
-        units = units_of(self.unit or [])
+        units, columns = units_of(self.unit or []), columns_of(self.column)
         check_units(units)
-        names, signals = columns_of(self.column), tuple(self.signal or ())
-        wrap, gain, joined = self.wrap, self.gain, paths.joined
-        return Reading(joint, names, signals, wrap, gain, units, joined, self.drop_nan)
+
+        def read(path: str | Path, joint: str) -> "JointLog":
+            how = joint or None, columns, self.signal or (), self.wrap, units
+            files = paths.joined.get(Path(path))
+            log = read_joined(files, *how) if files else read_log(path, *how, self.drop_nan)
+            return log if self.gain is None else log.with_gain(self.gain)
+
+        return read
 
 
 NO_OPTIONS = LogOptions()
@@ -267,19 +245,23 @@ class LogPaths:
     """Logs that a command reads.
 
     Attributes:
-        logs: to fit. held_out: logs and fractions. joined: see `Reading`.
+        logs: to fit. kept: held out. fraction: of each log to hold out at its end.
+        joined: files of a log that has one per signal, by the path that stands for it.
     """
 
     logs: list[Path]
-    held_out: list[str]
+    kept: list[Path]
+    fraction: float | None
     joined: dict[Path, list[Path]]
 
 
 def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogPaths:
     """The logs in folders and data sets; held-out logs are not among those to fit.
 
+    Args:
+        held_out: logs, and at most one fraction.
     Raises:
-        LogError: a folder contains no log.
+        LogError: a folder contains no log, a log is both fitted and held out, or two fractions.
     """
     from frictionjoint.measured.readers import log_files
     from frictionjoint.measured.table import TABLES
@@ -297,14 +279,19 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
             joined[loose[0]] = loose
         return folders + loose[:1]
 
-    fractions = [text for text in held_out if _is_number(text)]
+    fractions = [float(text) for text in held_out if _is_number(text)]
+    if len(fractions) > 1:
+        raise LogError("--held-out: give one fraction at most")
     kept = found([Path(text) for text in held_out if not _is_number(text)])
     fitted = (
         [x for path in logs for x in found([path]) if x not in kept or x == path]
         if not join
         else found(logs)
     )
-    return LogPaths(fitted, [*fractions, *map(str, kept)], joined)
+    held = {path.resolve() for path in kept}
+    if same := [path for path in fitted if path.resolve() in held]:
+        raise LogError(f"{same[0]} is both fitted and held out: give it once")
+    return LogPaths(fitted, kept, fractions[0] if fractions else None, joined)
 
 
 def columns_of(column: list[str] | None) -> dict[str, str]:
@@ -320,22 +307,6 @@ def columns_of(column: list[str] | None) -> dict[str, str]:
             raise LogError(f"--column {text}: write ours=theirs, e.g. time_s=t")
         found[ours] = theirs
     return found
-
-
-def kept_of(paths: list[Path], held_out: list[str]) -> tuple[list[Path], float | None]:
-    """Held-out logs, and the fraction of each log to hold out at its end.
-
-    Raises:
-        LogError: a log is both fitted and held out, or there are two fractions.
-    """
-    fractions = [float(text) for text in held_out if _is_number(text)]
-    names = [Path(text) for text in held_out if not _is_number(text)]
-    if len(fractions) > 1:
-        raise LogError("--held-out: give one fraction at most")
-    same = [path for path in paths if path.resolve() in {n.resolve() for n in names}]
-    if same:
-        raise LogError(f"{same[0]} is both fitted and held out: give it once")
-    return names, fractions[0] if fractions else None
 
 
 def poses(fixed: list[str] | None) -> dict[str, float | list[float]]:

@@ -51,12 +51,12 @@ def plot(
     if target.suffix.lower() not in _KINDS:
         raise LogError(f"--out {target}: the name must end in {', '.join(_KINDS)}")
     require_writable(target, found.logs, force)
-    reading = options.reading(joint or "", found)
+    read_one = options.reader(found)
     with progress() as say, warnings_afterwards():
         read = []
         for i, path in enumerate(found.logs):
             say(f"reading {path.name}, {i + 1} of {len(found.logs)}")
-            read.append(reading.read(path))
+            read.append(read_one(path, joint or ""))
         say("drawing")
         write_files(target.parent, {target.name: plot_text(read, target.suffix.lower())})
     for log in read:
