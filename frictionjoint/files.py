@@ -35,16 +35,6 @@ def read_parameters(path: Path) -> JointFriction:
         raise ParameterError(f"{path}: {error}") from None
 
 
-def read_report(path: Path) -> tuple[Path, Any]:
-    """The report.json of a folder, or a file itself, and its content.
-
-    Raises:
-        ParameterError: the file is missing, or no JSON.
-    """
-    file = path / "report.json" if path.is_dir() else path
-    return file, read_json(file, "give report.json of close-loop")
-
-
 def read_json(path: Path, fix: str) -> Any:
     """Content of a JSON file.
 

@@ -81,11 +81,11 @@ def test_every_set_drawn_is_valid_and_can_be_installed(posterior):
 
 def test_the_command_writes_tables_that_make_friction(tmp_path, posterior):
     report, out = tmp_path / "report.json", tmp_path / "samples.json"
-    report.write_text(json.dumps({"posterior": posterior.to_dict()}))
+    report.write_text(json.dumps({"after": {}, "posterior": posterior.to_dict()}))
     assert run("sample", str(tmp_path), "--n", "7", "--out", str(out), cwd=tmp_path).returncode == 0
     tables = json.loads(out.read_text())
     assert [joint_friction(t) for t in tables] == list(posterior.sample(7))
-    report.write_text("{}")
+    report.write_text(json.dumps({"after": {}}))
     failed = run(
         "sample", str(report), "--n", "7", "--out", str(tmp_path / "none.json"), cwd=tmp_path
     )

@@ -11,8 +11,9 @@ import pytest
 from reports import COGGING, LAW, empty, estimate, good, robot
 
 from frictionjoint.effects.catalogue import title
+from frictionjoint.report.joints import joint_content
 from frictionjoint.report.numbers import result_estimates
-from frictionjoint.report.robot_summary import joint_content, summarise_robot
+from frictionjoint.report.robot_summary import summarise_robot
 from frictionjoint.report.summary import summarise
 from frictionjoint.report.text import summary_text
 from frictionjoint.report.wording import percentage, three

@@ -50,10 +50,11 @@ def compare(
         Compared,
         compared,
         draw,
-        joints_of_report,
         report_figures,
         rows,
     )
+    from frictionjoint.report.joints import read_joints
+    from frictionjoint.report.robot_report import SCHEMA as ROBOT
     from frictionjoint.report.write import write_files
 
     if out is not None and out.suffix.lower() not in KINDS:
@@ -69,8 +70,9 @@ def compare(
             if path in parameters[:i]:
                 raise ParameterError(f"{path} is given twice: give it once")
             if path.suffix.lower() == ".json" or path.is_dir():
-                for own, content in joints_of_report(path).items():
-                    key = f"{path.parent.name or path.stem}{own and f' {own}'}"
+                for own, content in read_joints(path)[1].items():
+                    which = f" {own}" if content.get("schema") == ROBOT else ""
+                    key = f"{path.parent.name or path.stem}{which}"
                     reports[key] = report_figures(content)
                     if "model" in content:
                         read[key] = joint_friction(content["model"])

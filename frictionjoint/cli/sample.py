@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -30,12 +30,12 @@ def sample(
     `frictionjoint sample robot_report --joint elbow --n 1024 --out elbow.json`
     """
     from frictionjoint.errors import ParameterError
-    from frictionjoint.files import read_report, toml_document
+    from frictionjoint.files import toml_document
     from frictionjoint.refine.posterior import Posterior
+    from frictionjoint.report.joints import read_joint
     from frictionjoint.report.write import write_files
 
-    file, content = read_report(report)
-    own = _of_joint(content, joint, file)
+    file, _, own = read_joint(report, joint)
     if "posterior" not in own:
         raise ParameterError(
             f"{file}: it contains no parameter uncertainty: make the report from logs that "
@@ -48,25 +48,3 @@ def sample(
     tables = [toml_document(x.parameters, x.effects).unwrap() for x in drawn]
     write_files(out.parent, {out.name: json.dumps(tables, indent=1) + "\n"})
     typer.echo(f"Wrote {n} parameter sets to {out}")
-
-
-def _of_joint(content: Any, joint: str | None, file: Path) -> dict[str, Any]:
-    """The part of a report that describes one joint.
-
-    Raises:
-        ParameterError: not a report, or the joint is ambiguous.
-    """
-    from frictionjoint.errors import ParameterError
-
-    if not isinstance(content, dict):
-        raise ParameterError(f"{file}: no report: give report.json of close-loop")
-    if "spread" in content:
-        raise ParameterError(f"{file}: a report of several robots: give the folder of one of them")
-    joints = content.get("joints", {content.get("joint"): content})
-    names = ", ".join(map(str, joints))
-    if joint is None and "joints" in content:
-        raise ParameterError(f"{file}: a report of a whole robot: choose one with --joint: {names}")
-    if joint is not None and joint not in joints:
-        raise ParameterError(f"{file}: no joint {joint!r} in it, it has {names}")
-    found: dict[str, Any] = content if joint is None else joints[joint]
-    return found

@@ -14,11 +14,11 @@ import numpy as np
 from scipy.stats import t
 
 from frictionjoint.errors import ParameterError
-from frictionjoint.files import read_report
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
 from frictionjoint.refine.posterior import Posterior
+from frictionjoint.report.joints import read_joint
 
 State = Literal["confirmed", "changed", "not resolvable"]
 # probability of a false alarm over all parameters; relative change that must be detectable;
@@ -58,21 +58,15 @@ def known_of(report: Path, joint: str | None = None) -> Known:
     Raises:
         ParameterError: the path is not a report, or the report gives no friction in N m.
     """
-    file, content = read_report(report)
+    file, name, own = read_joint(report, joint)
     model = file.with_name("model.xml")
-    joints = content.get("joints") or {content.get("joint"): content}
-    if joint is None and len(joints) > 1:
-        raise ParameterError(f"{file}: say which joint with --joint, of {', '.join(joints)}")
-    name = joint or next(iter(joints))
-    if name not in joints:
-        raise ParameterError(f"{file}: no joint {name!r}, it has {', '.join(map(str, joints))}")
-    if "posterior" not in joints[name] or not joints[name]["posterior"]:
+    if not own.get("posterior"):
         raise ParameterError(
             f"{file}: it contains no parameter uncertainty of joint {name!r}: make it again"
         )
     if not model.is_file():
         raise ParameterError(f"{model}: missing next to the report: give the whole folder")
-    posterior = Posterior.from_dict(joints[name]["posterior"])
+    posterior = Posterior.from_dict(own["posterior"])
     return Known(model, name, posterior.content, posterior.cov)
 
 

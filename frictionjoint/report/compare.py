@@ -7,22 +7,18 @@ beyond the law depend on more than the joint's own motion; they are named, not d
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import title
-from frictionjoint.errors import ParameterError
-from frictionjoint.files import read_report
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.charts import LAW_COLOURS, Chart, Series, sliding
 from frictionjoint.report.html import fill
 from frictionjoint.report.picture import draw_charts, picture
-from frictionjoint.report.robot_summary import joint_content
 from frictionjoint.report.summary import summarise
 
 KINDS = (".html", ".png", ".svg")
@@ -61,20 +57,6 @@ def compared(read: Mapping[str, JointFriction]) -> list[Compared]:
     lengths = [length for _, length in pulls.values()]
     fastest = max(_fastest(joint.parameters) for joint in read.values())
     return [_one(name, joint, pulls.get(name), lengths, fastest) for name, joint in read.items()]
-
-
-def joints_of_report(path: Path) -> dict[str, dict[str, Any]]:
-    """Content of each joint of a report.json by the joint's name; "" where it has one joint.
-
-    Raises:
-        ParameterError: the file is missing, or no report of a joint or a robot.
-    """
-    file, content = read_report(path)
-    if isinstance(content, dict) and "joints" in content:
-        return {name: joint_content(content, name) for name in content["joints"]}
-    if not isinstance(content, dict) or "after" not in content:
-        raise ParameterError(f"{file}: not a report of a joint: give report.json of close-loop")
-    return {"": content}
 
 
 def report_figures(content: Mapping[str, Any]) -> dict[str, float | str]:

@@ -7,13 +7,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from frictionjoint.files import read_report
 from frictionjoint.model_text import placed, require_compiles
 from frictionjoint.report.html import versions
 from frictionjoint.report.joint_report import Report
+from frictionjoint.report.joints import joint_content, read_joints
 from frictionjoint.report.page import page_names, render, render_robot, render_units
+from frictionjoint.report.robot_report import SCHEMA as ROBOT
 from frictionjoint.report.robot_report import RobotReport
-from frictionjoint.report.robot_summary import joint_content
 from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.report.write import write_files
 
@@ -68,9 +68,9 @@ def write_units_report(report: UnitsReport, folder: Path, command: str) -> None:
 
 def controller_file(report: Path, joint: str) -> Path | None:
     """The controller of a joint that a report of it, or of its robot, has next to it."""
-    file, content = read_report(report)
-    names = list(content.get("joints", {}))
-    page = page_names(names)[joint] if names else "report.html"
+    file, joints = read_joints(report)
+    whole = joints[joint].get("schema") == ROBOT
+    page = page_names(list(joints))[joint] if whole else "report.html"
     own = file.with_name(_controller_name(page))
     return own if own.is_file() else None
 

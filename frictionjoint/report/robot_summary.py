@@ -8,6 +8,7 @@ from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.error_figures import STAGES, Stage, compared
+from frictionjoint.report.joints import joint_content
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
 from frictionjoint.report.summary import Summary, summarise
@@ -17,8 +18,6 @@ Content = Mapping[str, Any]
 
 _NONE = "–"
 _FRICTION = ("Fc", "Fs", "sigma2", "stiffness")
-# what belongs to a robot, not to one of its joints
-_ROBOT = ("schema", "logs", "made")
 
 
 @dataclass(frozen=True)
@@ -84,14 +83,6 @@ class RobotSummary:
     def friction_head(self) -> tuple[str, ...]:
         """Headings of the columns of friction numbers."""
         return ("Coulomb", "breakaway", "viscous", "presliding stiffness")
-
-
-def joint_content(content: Content, name: str) -> dict[str, Any]:
-    """The content of one joint, in the form of a report-1."""
-    if "joints" not in content:
-        return dict(content)
-    own = {key: content[key] for key in _ROBOT if key in content}
-    return {**own, "joint": name, **content["joints"][name]}
 
 
 def summarise_robot(content: Content) -> RobotSummary:
