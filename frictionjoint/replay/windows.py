@@ -61,20 +61,20 @@ class Windows:
             for n in {x.rpartition(".")[0] for x in others} - set(segments)
         }
         self._length = max(2, round(WINDOW_S / self._dt))
+        self._substeps = max(1, int(np.ceil(self._dt / _LONGEST_STEP)))
 
     def errors(self) -> Array:
         """Simulated minus measured position, rad (m), shape (n, joints); NaN where nothing was
         simulated, infinite in a run that became unstable.
         """
         model, data, dt = self._model, self._data, self._dt
-        substeps = max(1, int(np.ceil(dt / _LONGEST_STEP)))
-        model.opt.timestep = dt / substeps
+        model.opt.timestep = dt / self._substeps
         at, dofs = _addresses(model, self._joints)
         behind, rates = _addresses(model, self._links)
         free = Free(model, data, [*self._joints, *self._links])
         others = Prescribed(model, data, self._others)
         memory, ours = self._memories(), _rows(model)
-        part = np.arange(substeps)[:, None] / substeps
+        part = np.arange(self._substeps)[:, None] / self._substeps
         drives = (1 - part) * self._drive[:-1, None] + part * self._drive[1:, None]
         # every look into `data` makes an array anew
         qpos, qvel, applied = data.qpos, data.qvel, data.qfrc_applied
@@ -111,11 +111,11 @@ class Windows:
         along as well.
         """
         model, data, found = self._model, self._data, []
+        free, ours = Free(model, data, self._links) if self._links else None, _rows(model)
         # samples, not steps of a simulation: after a gap of several steps the memory starts afresh
         step, model.opt.timestep = model.opt.timestep, self._dt
         at, dofs = _addresses(model, self._joints)
         behind, rates = _addresses(model, self._links)
-        free, ours = Free(model, data, self._links) if self._links else None, _rows(model)
         qpos, qvel = data.qpos, data.qvel
         for k, (q, v, a) in enumerate(zip(self._q, self._v, self._a, strict=True)):
             data.time = k * self._dt
@@ -129,7 +129,8 @@ class Windows:
                 found.append((data.userdata[ours].copy(), qpos[behind], qvel[rates]))
             if free:
                 data.qacc[dofs] = a
-                free.step(np.zeros(0))
+                for _ in range(self._substeps):
+                    free.step(np.zeros(0))
         model.opt.timestep = step
         return found
 
