@@ -33,17 +33,8 @@ def list_command(as_json: Json = False) -> None:
 
     found = list_data()
     if as_json:
-        rows = [
-            {
-                "name": x.name,
-                "title": x.title,
-                "licence": x.licence,
-                "source": x.source,
-                "files": dict(x.files),
-                "logs": list(x.logs),
-            }
-            for x in found
-        ]
+        shown = ("name", "title", "licence", "source", "files", "logs")
+        rows = [{key: getattr(x, key) for key in shown} | {"files": dict(x.files)} for x in found]
         typer.echo(json.dumps(rows, indent=2))
         return
     table = Table("name", "what", "files", "licence")

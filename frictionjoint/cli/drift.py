@@ -46,7 +46,7 @@ def drift(
 
     Example: `frictionjoint drift report today.csv`
     """
-    from dataclasses import replace
+    from dataclasses import asdict, replace
 
     from frictionjoint.control.controller_file import controller_of
     from frictionjoint.control.reconstruct import with_known_drive
@@ -64,19 +64,19 @@ def drift(
         drives = controller_of(given, known.joint, [compile_model(known.model)])
         new = [with_known_drive(read(path, known.joint), drives) for path in paths.logs]
         rows = compared(known, new)
-    changed = [x.name for x in rows if x.state == "changed"]
+    changed = [x.number for x in rows if x.state == "changed"]
     if as_json:
         content = {
             "joint": known.joint,
             "drift": bool(changed),
-            "numbers": [x.to_dict() for x in rows],
+            "numbers": [asdict(x) for x in rows],
         }
         typer.echo(json.dumps(content, indent=2))
     else:
         table = Table("number", "report", "new logs", "standard error", "result")
         for number, x in zip(known.numbers, rows, strict=True):
             table.add_row(
-                f"{number.words}, {x.name}",
+                f"{number.words}, {x.number}",
                 f"{x.before:.4g}",
                 f"{x.now:.4g}",
                 f"{x.stderr:.2g}",

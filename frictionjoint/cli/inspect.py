@@ -13,6 +13,7 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
     import mujoco
 
     from frictionjoint.joint_friction import JointFriction
+    from frictionjoint.parameter_meanings import Value
 
 
 def inspect(
@@ -81,39 +82,24 @@ def _carried(name: str, joint: "JointFriction", slide: bool | None) -> dict[str,
     return {
         "joint": name,
         "law": law,
-        "numbers": [
-            {
-                "symbol": x.symbol,
-                "meaning": x.meaning,
-                "value": x.value,
-                "unit": x.unit,
-                "text": x.text,
-            }
-            for x in law_values(joint.parameters, bool(slide))
-        ],
+        "numbers": [_row(x) for x in law_values(joint.parameters, bool(slide))],
         "effects": list(effect_texts(joint, bool(slide))),
     }
 
 
 def _native(model: "mujoco.MjModel", joint: int, slide: bool) -> dict[str, Any]:
     """MuJoCo's own friction."""
-    from frictionjoint.parameter_meanings import spelled
+    from frictionjoint.parameter_meanings import Value, spelled
 
     dof = int(model.jnt_dofadr[joint])
     own = (
         ("frictionloss", "Coulomb friction", float(model.dof_frictionloss[dof]), "T"),
         ("damping", "viscous friction", float(model.dof_damping[dof].flat[0]), "T s/x"),
     )
-    numbers = [
-        {
-            "symbol": symbol,
-            "meaning": meaning,
-            "value": value,
-            "unit": spelled(unit, slide),
-            "text": f"{value:.4g} {spelled(unit, slide)}",
-        }
-        for symbol, meaning, value, unit in own
-        if value
-    ]
+    numbers = [_row(Value(s, m, x, spelled(unit, slide))) for s, m, x, unit in own if x]
     law = "MuJoCo's own friction" if numbers else "no friction"
     return {"joint": model.joint(joint).name, "law": law, "numbers": numbers, "effects": []}
+
+
+def _row(x: "Value") -> dict[str, Any]:
+    return x._asdict() | {"text": x.text}

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 
@@ -19,7 +20,6 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import Prediction, predict
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
-from frictionjoint.replay.closed_loop import ClosedLoop
 from frictionjoint.replay.free_runs import Replay
 from frictionjoint.replay.loops import LoopErrors
 from frictionjoint.report.joint_report import (
@@ -28,6 +28,7 @@ from frictionjoint.report.joint_report import (
     Evidence,
     Intervals,
     Looked,
+    Ranked,
     Role,
     SimulatedPosition,
 )
@@ -118,8 +119,7 @@ def _evidence(step: Finding) -> Evidence:
 def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:
     """Torque and its errors along each log, before and after."""
     curves = []
-    groups: list[tuple[Role, Prepared | None]] = [("fit", fitted_on), ("held-out", kept_back)]
-    for role, prepared in groups:
+    for role, prepared in zip(get_args(Role), (fitted_on, kept_back), strict=True):
         if prepared is None:
             continue
         # Where the drive's gain is fitted, the measured torque is the final model's, and so is the
@@ -127,31 +127,20 @@ def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tup
         scale = found.final.scale / found.base.scale
         own, base, *_ = predict(prepared, found.base)
         last = predict(prepared, found.final)
-        measured, after, friction = last.measured, last.predicted, last.friction
-        ends = np.cumsum([len(m) for m in measured])[:-1]
-        moving = np.split(last.in_motion, ends)
-        given = [o * scale for o in own]
-        before = [m - g + b * scale for m, g, b in zip(measured, given, base, strict=True)]
-        rows = zip(prepared.segments, given, measured, before, after, friction, moving, strict=True)
-        for s, g, m, b, a, f, in_motion in rows:
+        moving = np.split(last.in_motion, np.cumsum([len(m) for m in last.measured])[:-1])
+        for i, s in enumerate(prepared.segments):
             kept = s.at_kept(s.signals)
             quantities = {name: kept[:, column] for name, column in VARIABLES.items()}
-            for name, x in s.others.items():
-                quantities[name] = s.at_kept(x)
+            quantities |= {name: s.at_kept(x) for name, x in s.others.items()}
+            measured, given = last.measured[i], own[i] * scale
             curves.append(
                 Curve(
-                    s.name,
-                    role,
-                    kept[:, 0],
-                    kept[:, Q],
-                    kept[:, V],
-                    g,
-                    m,
-                    b,
-                    a,
-                    f,
-                    in_motion,
-                    {n: x for n, x in quantities.items() if np.ptp(x) > 0.0},
+                    *(s.name, role, kept[:, TIME], kept[:, Q], kept[:, V], given, measured),
+                    before=measured - given + base[i] * scale,
+                    after=last.predicted[i],
+                    friction=last.friction[i],
+                    in_motion=moving[i],
+                    quantities={n: x for n, x in quantities.items() if np.ptp(x) > 0.0},
                 )
             )
     return tuple(curves)
@@ -170,9 +159,9 @@ def simulated_positions(
     if not runs:
         return ()
     found = []
-    groups: list[tuple[Role, Prepared | None]] = [("fit", fitted_on), ("held-out", kept_back)]
-    for i, (role, prepared) in enumerate(groups):
-        before, after = (run[i] for run in runs)
+    for role, prepared, before, after in zip(
+        get_args(Role), (fitted_on, kept_back), *runs, strict=True
+    ):
         if prepared is None or before is None or after is None:
             continue
         for s, b, a in zip(prepared.segments, before.errors, after.errors, strict=True):
@@ -185,11 +174,8 @@ def simulated_positions(
 def followed_positions(before: LoopErrors, after: LoopErrors) -> tuple[SimulatedPosition, ...]:
     """Target, measured and simulated position of each log in closed loop."""
     found = []
-    groups: list[tuple[Role, ClosedLoop | None, ClosedLoop | None]] = [
-        ("fit", before.fit, after.fit),
-        ("held-out", before.held_out, after.held_out),
-    ]
-    for role, first, last in groups:
+    pairs = (before.fit, after.fit), (before.held_out, after.held_out)
+    for role, (first, last) in zip(get_args(Role), pairs, strict=True):
         if first is None or last is None:
             continue
         for c, b, a in zip(last.courses, first.simulated, last.simulated, strict=True):
@@ -200,17 +186,13 @@ def followed_positions(before: LoopErrors, after: LoopErrors) -> tuple[Simulated
 
 def rankings(found: Trace) -> tuple[Looked, ...]:
     """Candidates of each step of the search."""
-    looks: list[tuple[str | None, str | None, Look]] = [
-        (f.term.name, f.runner_up, f.look) for f in found.findings
-    ]
-    return tuple(
-        Looked(
-            chosen,
-            runner_up,
-            tuple((r.name, look.gain(r), r.p_value) for r in look.rows if not r.candidate.unnamed),
-        )
-        for chosen, runner_up, look in looks or [(None, None, found.last_look)]
-    )
+
+    def rows(look: Look) -> tuple[Ranked, ...]:
+        named = (r for r in look.rows if not r.candidate.unnamed)
+        return tuple(Ranked(r.name, look.gain(r), r.p_value) for r in named)
+
+    looks = [Looked(f.term.name, f.runner_up, rows(f.look)) for f in found.findings]
+    return tuple(looks) or (Looked(None, None, rows(found.last_look)),)
 
 
 def ties(found: Trace) -> tuple[tuple[Effect, str], ...]:

@@ -8,7 +8,7 @@ resolvable*: the new logs could not detect a change by half of its value.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.stats import t
@@ -31,25 +31,15 @@ class Drift:
     """A parameter in a report and in new logs.
 
     Attributes:
-        name: of the parameter. before, now: its value in the report and in the new logs.
+        number: its name. before, now: its value in the report and in the new logs.
         stderr: of the difference. state: see the module.
     """
 
-    name: str
+    number: str
     before: float
     now: float
     stderr: float
     state: State
-
-    def to_dict(self) -> dict[str, Any]:
-        """The content that ``drift --json`` prints."""
-        return {
-            "number": self.name,
-            "before": self.before,
-            "now": self.now,
-            "stderr": self.stderr,
-            "state": self.state,
-        }
 
 
 def known_of(report: Path, joint: str | None = None) -> Known:

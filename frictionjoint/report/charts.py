@@ -14,7 +14,7 @@ from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.parameters import Friction
 from frictionjoint.report.joint_report import Curve, Report, SimulatedPosition
 from frictionjoint.report.turning_points import turns
-from frictionjoint.report.wording import axis
+from frictionjoint.report.wording import axis, drive_name
 
 Kind = Literal["line", "points"]
 # colours of the style sheet
@@ -74,21 +74,23 @@ class Stretch:
 def worst_stretch(report: Report) -> Stretch:
     """The stretch of a held-out log (else of a fitted one) with the largest error of the drive."""
     curves = [c for c in report.curves if c.role == "held-out"] or list(report.curves)
-    best = Stretch(curves[0], slice(0, len(curves[0].time))), -1.0
-    for c in curves:
-        span = float(c.time[-1] - c.time[0])
-        size = max(_STRETCH_S, _STRETCH * span)
-        squares = np.where(c.in_motion, (c.measured - c.after) ** 2, 0.0)
-        total = np.concatenate([[0.0], np.cumsum(squares)])
-        for begin in np.linspace(c.time[0], max(c.time[0], c.time[-1] - size), 60):
-            a, b = np.searchsorted(c.time, [begin, begin + size])
-            moving = int(c.in_motion[a:b].sum())
-            if moving < 2:
-                continue
-            error = float(total[b] - total[a]) / (b - a)
-            if error > best[1]:
-                best = Stretch(c, slice(int(a), int(b))), error
-    return best[0]
+    found = [_worst(c.time, np.where(c.in_motion, c.measured - c.after, np.nan)) for c in curves]
+    k = int(np.argmax([error for _, error in found]))
+    return Stretch(curves[k], found[k][0])
+
+
+def _worst(time: Array, error: Array) -> tuple[slice, float]:
+    """The stretch of a log with the largest mean square of an error, and that; NaN counts as 0."""
+    size = max(_STRETCH_S, _STRETCH * float(time[-1] - time[0]))
+    best = slice(0, len(time)), -1.0
+    total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(error) ** 2)])
+    known = np.concatenate([[0], np.cumsum(np.isfinite(error))])
+    for begin in np.linspace(time[0], max(time[0], time[-1] - size), 60):
+        a, b = np.searchsorted(time, [begin, begin + size])
+        mean = float(total[b] - total[a]) / max(1, b - a)
+        if known[b] - known[a] >= 2 and mean > best[1]:
+            best = slice(int(a), int(b)), mean
+    return best
 
 
 def drive_charts(report: Report, s: Stretch, group: str, before: bool) -> tuple[Chart, Chart]:
@@ -150,15 +152,9 @@ def worst_position(report: Report) -> SimulatedPosition | None:
 
 def worst_times(found: SimulatedPosition) -> tuple[float, float]:
     """First and last time, s, of the stretch of a log with the largest position error."""
-    first, last = float(found.time[0]), float(found.time[-1])
-    size = max(_STRETCH_S, _STRETCH * (last - first))
-    squares = np.nan_to_num((found.after - found.measured) ** 2)
-    total = np.concatenate([[0.0], np.cumsum(squares)])
-    begins = np.linspace(first, max(first, last - size), 60)
-    ends = np.searchsorted(found.time, begins + size)
-    sums = total[ends] - total[np.searchsorted(found.time, begins)]
-    begin = float(begins[int(np.argmax(sums))])
-    return begin, min(last, begin + size)
+    window, _ = _worst(found.time, found.after - found.measured)
+    times = found.time[window]
+    return float(times[0]), float(times[-1])
 
 
 def friction_speed(report: Report) -> Chart:
@@ -255,9 +251,7 @@ def small(chart: Chart, most: int = 300) -> Chart:
 
 def _drive(report: Report) -> str:
     """Name of the drive in a report."""
-    own = "force" if report.slide else "torque"
-    names = {"N m": own, "N": own, "A": "current", "V": "voltage"}
-    return names.get(report.units[0], f"{own} over kp")
+    return drive_name(report.units[0], report.slide)
 
 
 def _source(report: Report) -> str:

@@ -8,14 +8,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from frictionjoint.report.wording import percentage, three
+from frictionjoint.report.wording import drive_name, percentage, three
 
 Content = Mapping[str, Any]
 Stage = Literal["before", "after"]
 STAGES: tuple[Stage, Stage] = ("before", "after")
 
 _LOOP = "position in closed loop"
-_UNIT_NAMES = {"N m": "torque", "N": "force", "A": "current", "V": "voltage"}
 
 
 @dataclass(frozen=True)
@@ -52,9 +51,7 @@ def units_of(content: Content) -> tuple[str, str]:
 
 def drive_of(content: Content, unit: str) -> str:
     """Name of the torques in a report."""
-    own = "force" if content.get("slide") else "torque"
-    # in the unit of a position they are over a kp that is not known
-    name = _UNIT_NAMES.get(unit, f"{own} over kp")
+    name = drive_name(unit, content.get("slide", False))
     source = content.get("drive", {}).get("source", "measured")
     return f"{'controller’s' if source == 'controller' else 'measured'} {name}"
 

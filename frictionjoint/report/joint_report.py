@@ -117,22 +117,25 @@ class SimulatedPosition:
 
 
 @dataclass(frozen=True)
+class Ranked:
+    """A candidate with its cross-validated gain."""
+
+    effect: str
+    gain: float
+    p_value: float
+
+
+@dataclass(frozen=True)
 class Looked:
-    """One step of the search, with all candidates.
+    """One step of the search, with all candidates, best first.
 
     Attributes:
         chosen: the effect that was added, runner_up: the next best; None if there is none.
-        rows: (name, cross-validated gain, p-value) of each effect, best first.
     """
 
     chosen: str | None
     runner_up: str | None
-    rows: tuple[tuple[str, float, float], ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
-        rows = [{"effect": n, "gain": gain, "p_value": p} for n, gain, p in self.rows]
-        return {"chosen": self.chosen, "runner_up": self.runner_up, "rows": rows}
+    rows: tuple[Ranked, ...]
 
 
 @dataclass(frozen=True)

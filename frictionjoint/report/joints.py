@@ -29,7 +29,7 @@ def read_joints(path: Path) -> tuple[Path, dict[str, dict[str, Any]]]:
     content = read_json(file, "give report.json of close-loop")
     if isinstance(content, dict) and "spread" in content:
         raise ParameterError(f"{file}: a report of several robots: give the folder of one of them")
-    if not isinstance(content, dict) or not ("joints" in content or "after" in content):
+    if not isinstance(content, dict) or not content.keys() & {"joint", "joints", "after"}:
         raise ParameterError(f"{file}: not a report of a joint: give report.json of close-loop")
     names = content.get("joints", {content.get("joint", ""): content})
     return file, {name: joint_content(content, name) for name in names}

@@ -31,6 +31,12 @@ def axis(variable: str, slide: bool) -> str:
     return f"{quantity(variable)}, {found}" if found else quantity(variable)
 
 
+def drive_name(unit: str, slide: bool) -> str:
+    """Name of the drive with a unit; in that of a position it is over a kp that is not known."""
+    names = {"N m": "torque", "N": "force", "A": "current", "V": "voltage"}
+    return names.get(unit, f"{'force' if slide else 'torque'} over kp")
+
+
 def percentage(value: float, whole: float) -> str:
     """A part of a whole in per cent, to two figures."""
     part = 100.0 * value / whole if whole else math.nan

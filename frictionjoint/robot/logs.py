@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, get_args
 
 import numpy as np
 
@@ -152,15 +152,10 @@ class RobotLogs:
     def entries(self) -> tuple[LogEntry, ...]:
         """Rows of the report."""
         lines: dict[tuple[Role, Place], LogEntry] = {}
-        roles: list[tuple[Role, dict[str, list[JointLog]]]] = [
-            ("fit", self.fit),
-            ("held-out", self.held_out),
-        ]
-        for role, by_joint in roles:
+        for role, by_joint in zip(get_args(Role), (self.fit, self.held_out), strict=True):
             for logs in by_joint.values():
                 for place, log in by_place(logs).items():
-                    entry = LogEntry.of(log, role)
-                    lines.setdefault((role, place), entry)
+                    lines.setdefault((role, place), LogEntry.of(log, role))
         return tuple(lines.values())
 
 
