@@ -15,6 +15,7 @@ from frictionjoint.cli.logs import (
     NO_OPTIONS,
     ControllerFile,
     Fixed,
+    Joints,
     LogOptions,
     Model,
     columns_of,
@@ -33,15 +34,6 @@ from frictionjoint.law.names import LAWS
 
 Logs = Annotated[
     list[Path] | None, typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --robot.")
-]
-Joints = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--joint",
-        metavar="NAME",
-        help="A joint in the model and in the logs. Repeatable. Default: all joints whose drive "
-        "the logs contain.",
-    ),
 ]
 Law = Annotated[str | None, typer.Option("--law", help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")]
 Seed = Annotated[

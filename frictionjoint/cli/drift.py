@@ -8,11 +8,12 @@ import typer
 from rich.table import Table
 
 from frictionjoint.cli.logs import (
-    LOG_FORMATS,
     NO_OPTIONS,
     ControllerFile,
     Fixed,
     LogOptions,
+    Logs,
+    ReportJoint,
     log_paths,
     poses,
     reads_logs,
@@ -28,11 +29,8 @@ def drift(
     report: Annotated[
         Path, typer.Argument(metavar="REPORT", help="Folder of a report of close-loop.")
     ],
-    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
-    joint: Annotated[
-        str | None,
-        typer.Option("--joint", metavar="NAME", help="Joint, if the report is of a robot."),
-    ] = None,
+    logs: Logs,
+    joint: ReportJoint = None,
     fixed: Fixed = None,
     controller: ControllerFile = None,
     options: LogOptions = NO_OPTIONS,

@@ -8,11 +8,12 @@ import typer
 from rich.table import Table
 
 from frictionjoint.cli.logs import (
-    LOG_FORMATS,
     NO_OPTIONS,
     ControllerFile,
     Fixed,
+    Joints,
     LogOptions,
+    Logs,
     log_paths,
     poses,
     reads_logs,
@@ -28,16 +29,8 @@ def evaluate(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MJCF or URDF, with any friction or none.")
     ],
-    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
-    joint: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--joint",
-            metavar="NAME",
-            help="A joint in the model and in the logs. Repeatable. Default: all joints whose "
-            "drive the logs contain.",
-        ),
-    ] = None,
+    logs: Logs,
+    joint: Joints = None,
     controller: ControllerFile = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots.")

@@ -8,11 +8,11 @@ import typer
 
 from frictionjoint.cli.logs import (
     LAW_TO_FIT,
-    LOG_FORMATS,
     NO_OPTIONS,
     ControllerFile,
     Fixed,
     LogOptions,
+    Logs,
     Model,
     log_paths,
     models_of,
@@ -25,7 +25,6 @@ from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import console, progress, show_estimates
 from frictionjoint.law.names import LAWS
 
-Logs = Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)]
 Joint = Annotated[
     str | None,
     typer.Option(

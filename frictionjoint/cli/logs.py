@@ -22,6 +22,19 @@ LOG_FORMATS = (
 )
 LAW_TO_FIT = f"Friction law to fit: {', '.join(LAWS)}."
 
+Logs = Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)]
+Joints = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--joint",
+        metavar="NAME",
+        help="A joint in the model and in the logs. Repeatable. Default: all joints whose drive "
+        "the logs contain.",
+    ),
+]
+ReportJoint = Annotated[
+    str | None, typer.Option("--joint", metavar="NAME", help="Joint, if the report is of a robot.")
+]
 Columns = Annotated[
     list[str] | None,
     typer.Option(

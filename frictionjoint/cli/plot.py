@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from frictionjoint.cli.logs import LOG_FORMATS, NO_OPTIONS, LogOptions, log_paths, reads_logs
+from frictionjoint.cli.logs import NO_OPTIONS, LogOptions, Logs, log_paths, reads_logs
 from frictionjoint.cli.output import Force, Open, open_page, require_writable
 from frictionjoint.cli.terminal import progress, warnings_afterwards
 from frictionjoint.errors import LogError
@@ -15,7 +15,7 @@ _KINDS = (".html", ".png", ".svg")
 
 @reads_logs()
 def plot(
-    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)],
+    logs: Logs,
     joint: Annotated[
         str | None,
         typer.Option("--joint", metavar="NAME", help="Joint, if a log contains several."),

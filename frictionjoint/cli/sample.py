@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from frictionjoint.cli.logs import ReportJoint
+
 
 def sample(
     report: Annotated[
@@ -13,9 +15,7 @@ def sample(
     ],
     n: Annotated[int, typer.Option("--n", min=1, help="Number of samples.")],
     out: Annotated[Path, typer.Option("--out", metavar="JSON", help="File to write.")],
-    joint: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Joint, if the report is of a robot.")
-    ] = None,
+    joint: ReportJoint = None,
     seed: Annotated[int, typer.Option(min=0, help="Equal seeds give equal samples.")] = 0,
 ) -> None:
     """Draw parameter sets of a report, for domain randomisation.

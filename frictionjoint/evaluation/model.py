@@ -19,6 +19,7 @@ from frictionjoint.model_files import ONE_DOF, compile_model
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.carrier import read_friction
+from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.native_friction import native_friction
 
 _ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
@@ -40,7 +41,6 @@ class EvaluatedModel:
     Attributes:
         model: compiled, without contacts. dofs, qpos: addresses of the joints, shape (k,).
         controls: index in `ctrl` of each joint's drive; None if the drive is a torque.
-        friction: description of the friction of each joint.
     Raises:
         ModelError: the model does not compile, has no such joint, or no actuator for a voltage.
     """
@@ -57,14 +57,8 @@ class EvaluatedModel:
         self.joints = list(joints)
         self.ids = [require_joint(self.model, name) for name in joints]
         led = [mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in moving]
-        self.led = {name: j for name, j in zip(moving, led, strict=True) if j >= 0}
         self.dofs = self.model.jnt_dofadr[self.ids].astype(int)
         self.qpos = self.model.jnt_qposadr[self.ids].astype(int)
-        self.slide = {
-            name: int(self.model.jnt_type[j]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
-            for name, j in zip(joints, self.ids, strict=True)
-        }
-        self.friction = {name: friction_words(self.model, name) for name in joints}
         self.carries = bool(blocks(self.model))
         take_pose(self.model, resolve_poses(self.model, -1, fixed))
         used = {name: self._actuator(name, drives[name]) for name in joints}
@@ -72,7 +66,9 @@ class EvaluatedModel:
             name: None if i is None else _control_of(self.model, i) for name, i in used.items()
         }
         self._silence({i for i in used.values() if i is not None})
-        lock(self.model, *self.ids, *self.led.values(), *self._behind())
+        # links behind springs, which the friction model itself has added
+        links = [j for name in joints if (j := deflection(self.model, name)) >= 0]
+        lock(self.model, *self.ids, *led, *links)
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
 
     @property
@@ -120,11 +116,16 @@ class EvaluatedModel:
                 self.model.actuator_gainprm[i] = 0.0
                 self.model.actuator_biasprm[i] = 0.0
 
-    def _behind(self) -> list[int]:
-        """Joints that the friction model itself has added: links behind springs."""
-        from frictionjoint.simulate.mechanism import deflection
+    def limits(self, joint: str) -> tuple[float, float]:
+        """Range of a joint, rad (m); infinite without limits."""
+        j = self.model.joint(joint).id
+        low, high = self.model.jnt_range[j] if self.model.jnt_limited[j] else (-np.inf, np.inf)
+        return float(low), float(high)
 
-        return [j for name in self.joints if (j := deflection(self.model, name)) >= 0]
+
+def is_slide(model: mujoco.MjModel, joint: str) -> bool:
+    """Whether a joint is a slide."""
+    return bool(model.joint(joint).type[0] == int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
 def require_joint(model: mujoco.MjModel, joint: str) -> int:

@@ -14,7 +14,7 @@ from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.mjcf_servos import controller_in
 from frictionjoint.control.reconstruct import measures_drive, with_drive
 from frictionjoint.errors import LogError, NoMotionError, ParameterError, few
-from frictionjoint.evaluation.model import EvaluatedModel, require_joint
+from frictionjoint.evaluation.model import EvaluatedModel, friction_words, is_slide, require_joint
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.simulated import closed_loop, replay, windows_of
 from frictionjoint.evaluation.torque import torque_along
@@ -160,21 +160,19 @@ def evaluate(
         require_joint(compiled, name)
     controllers = {name: _controller(controller, name, compiled) for name in names}
     collected: dict[str, list[JointCurves]] = {name: [] for name in names}
-    words: dict[str, tuple[str, str, str]] = {}
     notes: dict[str, None] = {}
     with unheard():
         for path in paths:
             for parts in _parts(path, names, read or read_log, notes):
-                _one_log(model, parts, controllers, fixed, collected, words, notes)
-    found = {
-        name: _of_joint(words[name], curves, name, notes)
-        for name, curves in collected.items()
-        if curves
+                for name, found in _one_log(model, parts, controllers, fixed, notes).items():
+                    collected[name].append(found)
+    evaluated = {
+        n: _of_joint(compiled, n, curves, notes) for n, curves in collected.items() if curves
     }
-    if not found:
+    if not evaluated:
         raise LogError(f"{few(names)}: no log in which it moves, record a motion")
     title = Path(model).name if not str(model).lstrip().startswith("<") else "the MJCF"
-    return Evaluation(title, found, tuple(notes))
+    return Evaluation(title, evaluated, tuple(notes))
 
 
 def _joints(paths: Sequence[str | Path | JointLog], model: Any) -> list[str]:
@@ -230,11 +228,9 @@ def _one_log(
     logs: dict[str, JointLog],
     controllers: Mapping[str, Controller | None],
     fixed: Mapping[str, Pose] | None,
-    collected: dict[str, list[JointCurves]],
-    words: dict[str, tuple[str, str, str]],
     notes: dict[str, None],
-) -> None:
-    """Add the curves of one log."""
+) -> dict[str, JointCurves]:
+    """The curves of one log, by joint."""
     measured = {name: measures_drive(log) for name, log in logs.items()}
     recording = Recording.of({n: with_drive(log, controllers[n]) for n, log in logs.items()})
     m = EvaluatedModel(model, list(logs), list(recording.led), recording.kinds, fixed)
@@ -244,44 +240,32 @@ def _one_log(
     loop = closed_loop(m, recording, known) if set(known) == set(logs) else None
     if known and loop is None:
         notes["Closed loop: not every joint has a target and a controller."] = None
+    found = {}
     for name, log in recording.logs.items():
-        torque_measured = m.controls[name] is None
-        drive = recording.filtered[name] if torque_measured else along.given[name]
-        smooth = recording.filter
-        motion = recording.motion[name]
-        low, high = _limits(m, name)
-        inside = (motion[0] > low) & (motion[0] < high)
-        collected[name].append(
-            JointCurves(
-                log=log.name,
-                time=recording.time,
-                velocity=motion[1],
-                drive=drive if torque_measured else smooth(drive),
-                needed=smooth(along.needed[name]),
-                known=recording.known[name] & inside,
-                position=motion[0],
-                replay_error=runs[name] if runs else None,
-                closed_loop=loop.position[name] if loop else None,
-            )
+        motion, drive = recording.motion[name], recording.filtered[name]
+        if m.controls[name] is not None:
+            drive = recording.filter(along.given[name])
+        low, high = m.limits(name)
+        found[name] = JointCurves(
+            log=log.name,
+            time=recording.time,
+            velocity=motion[1],
+            drive=drive,
+            needed=recording.filter(along.needed[name]),
+            known=recording.known[name] & (motion[0] > low) & (motion[0] < high),
+            position=motion[0],
+            replay_error=runs[name] if runs else None,
+            closed_loop=loop[name] if loop else None,
         )
-        slide = m.slide[name]
-        words[name] = m.friction[name], "N" if slide else "N m", "m" if slide else "rad"
-
-
-def _limits(m: EvaluatedModel, joint: str) -> tuple[float, float]:
-    j = m.ids[m.joints.index(joint)]
-    if not m.model.jnt_limited[j]:
-        return -np.inf, np.inf
-    low, high = m.model.jnt_range[j]
-    return float(low), float(high)
+    return found
 
 
 def _of_joint(
-    words: tuple[str, str, str], curves: list[JointCurves], joint: str, notes: dict[str, None]
+    model: Any, joint: str, curves: list[JointCurves], notes: dict[str, None]
 ) -> JointEvaluation:
-    error = np.concatenate([c.torque_error for c in curves])
-    drive = np.concatenate([c.drive[c.known] for c in curves])
-    torque, size = _rms(error), _rms(drive)
+    unit, position_unit = ("N", "m") if is_slide(model, joint) else ("N m", "rad")
+    torque = _rms(np.concatenate([c.torque_error for c in curves]))
+    size = _rms(np.concatenate([c.drive[c.known] for c in curves]))
     percent = None
     if torque is None or size is None:
         notes[f"{joint}: no part of the logs has a known drive: no torque error is stated."] = None
@@ -289,8 +273,8 @@ def _of_joint(
         percent = 100.0 * torque / size
     else:
         notes[
-            f"{joint}: the drive in the logs is next to nothing, {size:.3g} {words[1]} rms, and "
-            f"the model needs {torque:.3g} {words[1]} more: was it off, or in another unit? No "
+            f"{joint}: the drive in the logs is next to nothing, {size:.3g} {unit} rms, and "
+            f"the model needs {torque:.3g} {unit} more: was it off, or in another unit? No "
             "percentage is stated."
         ] = None
     replayed = _replay_rms(curves)
@@ -298,7 +282,9 @@ def _of_joint(
         notes[f"{joint}: replayed runs leave the measured motion: no error is stated."] = None
         replayed = None
     return JointEvaluation(
-        *words,
+        friction=friction_words(model, joint),
+        unit=unit,
+        position_unit=position_unit,
         drive_rms=size,
         torque_rms=torque,
         torque_percent=percent,

@@ -1,7 +1,6 @@
 """Simulated positions: in short runs from measured states, and in closed loop."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -63,26 +62,15 @@ def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, A
     return dict(zip(m.joints, errors.T, strict=True))
 
 
-@dataclass(frozen=True)
-class ClosedLoop:
-    """A whole log simulated from its target alone.
-
-    Attributes:
-        position: simulated, by joint, at the times of the recording, shape (n,).
-        error: simulated minus measured position, by joint.
-    """
-
-    position: dict[str, Array]
-    error: dict[str, Array]
-
-
 def closed_loop(
     m: EvaluatedModel, recording: Recording, controllers: Mapping[str, Controller]
-) -> ClosedLoop:
+) -> dict[str, Array]:
     """Simulate a log from its target: controller, actuator, friction and load.
 
     Args:
         controllers: one for every joint that is evaluated.
+    Returns:
+        simulated position by joint, at the times of the recording, shape (n,).
     """
     model, data = m.model, mujoco.MjData(m.model)
     step, model.opt.timestep = model.opt.timestep, recording.step
@@ -104,12 +92,7 @@ def closed_loop(
                 position[k:] = np.inf
                 break
     model.opt.timestep = step
-    measured = {
-        name: np.interp(recording.time, log.time - log.time[0], log.position)
-        for name, log in recording.logs.items()
-    }
-    by_joint = dict(zip(m.joints, position.T, strict=True))
-    return ClosedLoop(by_joint, {name: by_joint[name] - measured[name] for name in m.joints})
+    return dict(zip(m.joints, position.T, strict=True))
 
 
 class _Loop:
