@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from jinja2 import DictLoader, Environment
+from jinja2 import Environment, FunctionLoader
 from markupsafe import Markup
 
 from frictionjoint.arrays import Array
@@ -25,10 +25,10 @@ def versions() -> dict[str, str]:
 
 def fill(template: str, filters: dict[str, Any], **values: Any) -> str:
     """A page from a template of this folder; text is escaped unless it is `Markup`."""
-    loader = DictLoader({"macros": _text("macros.html.j2")})
+    loader = FunctionLoader(_text)
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=loader)
     environment.filters |= filters | {"chart": chart_html}
-    return environment.from_string(_text(template)).render(
+    return environment.get_template(template).render(
         values,
         style=Markup(_text("style.css")),
         charts=Markup(_text("chart.js")),
