@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.close_loop import Runs, explain
 from frictionjoint.diagnose.finding import Trace
+from frictionjoint.diagnose.report_parts import torque_rms
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
@@ -184,15 +184,8 @@ def _law_alone(
 
 
 def _torque(fitted: Fitted, trace: Trace) -> Rms:
-    """rms torque error in motion, with the gain of the final fit."""
-
-    def rms(prepared: Prepared) -> float:
-        found = predict(prepared, fitted.fit)
-        e = found.error[found.in_motion] * (trace.final.gain / fitted.fit.gain)
-        return root_mean_square(e)
-
-    held = rms(fitted.kept_back) if fitted.kept_back else None
-    return Rms(rms(fitted.prepared), held)
+    """rms torque error in motion, with the drive of the final fit."""
+    return torque_rms(fitted.prepared, fitted.kept_back, fitted.fit, trace.final.scale)
 
 
 def _torque_increase(before: Fitted, after: Fitted) -> Interval:
@@ -202,8 +195,8 @@ def _torque_increase(before: Fitted, after: Fitted) -> Interval:
     one, other = predict(before.kept_back, before.fit), predict(after.kept_back, after.fit)
     both = one.in_motion & other.in_motion
     log_index = np.repeat(np.arange(len(one.weight)), [len(w) for w in one.weight])
-    gain = after.fit.gain / before.fit.gain
-    return error_increase(one.error[both] * gain, other.error[both], log_index[both])
+    scale = after.fit.scale / before.fit.scale
+    return error_increase(one.error[both] * scale, other.error[both], log_index[both])
 
 
 def _replays(fitted: Fitted, task: Task) -> tuple[Runs | None, LoopErrors | None]:
