@@ -61,15 +61,19 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
 def _leave_out_undetermined(state: State) -> list[Term]:
     """Remove, one after the other, effects whose sizes the logs do not determine.
 
-    Several effects may make each other's sizes uncertain and only together have evidence. Then each
-    effect whose removal worsens held-out prediction is kept.
+    One without which held-out prediction gets worse stays in the model, and the report says that
+    its size is open: several such effects carry the evidence together, or the law could replace it
+    only where its own numbers end.
+
+    Returns:
+        those that stay.
     """
     changed = False
     while unsure := undetermined(state.prepared, state.fit):
         blocks = state.blocks
         now = scored(state.fit, blocks)
         fits = [without(state, term) for term in unsure]
-        idle = [f for f in fits if len(unsure) == 1 or not needed(now, scored(f, blocks))]
+        idle = [f for f in fits if not needed(now, scored(f, blocks))]
         if not idle:
             break
         state.prepared, state.fit = reweighed(state.prepared, best_of(idle, lambda f: f.drive_rms))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import maximum_filter1d
+from scipy.signal import welch
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DT, GEAR, LOAD, TIME, Q, V
@@ -30,6 +31,9 @@ from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, gentle,
 # samples in a period of the balance's corner, in a fit and in a coarse search: with less than four
 # what the filter passes is folded back
 A_BALANCE, _A_COARSE = 4.0, 32.0
+# of a load's spectrum: periods of the balance's corner that it resolves, and where its noise is
+# read, over the corner of the motion
+_PERIODS, _NOISE_FROM = 20.0, 0.6
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
 
@@ -132,13 +136,25 @@ class Segment:
 
     @cached_property
     def gear(self) -> Array:
-        """Torque that the gear transmits, N m, shape (n,), in twice the band of the balance.
+        """Torque that the gear transmits, N m, shape (n,), in the band where it exceeds its noise.
 
-        Effects use its magnitude. Noise of the acceleration would bias that upwards, and in the
-        band of the balance alone it would miss what the torque does within a quick stop.
+        Effects use its magnitude. Noise of the accelerations would bias that upwards; in a narrower
+        band it would miss what the torque does within a quick stop.
         """
-        both = _lowpass(len(self.drive), self.dt, 2.0 * self.bandwidth_hz, 1)
-        return both(self.signals[:, GEAR])
+        torque = self.signals[:, GEAR]
+        window = min(len(torque), int(_PERIODS / (self.bandwidth_hz * self.dt)))
+        f, power = welch(torque, 1.0 / self.dt, nperseg=window)
+        inside = (f > 0.0) & (f <= self.corner_hz)
+        f, power = f[inside], power[inside]
+        ratio = f / self.corner_hz
+        # white noise of a position is one of the acceleration that grows as the fourth power of
+        # the frequency; near the corner of the motion there is hardly anything else
+        growing, top = steep(ratio) ** 2 * ratio**4, ratio > _NOISE_FROM
+        noise = growing * (np.median(power[top] / growing[top]) if top.any() else 0.0)
+        # the band with the smallest error: the noise within it and the torque beyond it
+        beyond = np.cumsum((power - noise)[::-1])[::-1] - (power - noise)
+        corner = float(f[np.argmin(np.cumsum(noise) + beyond)])
+        return _lowpass(len(torque), self.dt, corner, 1)(torque)
 
     def lowpass(self, x: Array) -> Array:
         """A signal filtered along axis 0 and decimated, as in the balance."""
