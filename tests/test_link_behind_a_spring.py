@@ -16,6 +16,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.readers import read_log
+from frictionjoint.replay.free_runs import replay
 
 
 def test_a_heavy_link_comes_back_with_the_spring_it_has(tmp_path):
@@ -63,3 +64,8 @@ def test_all_of_gravity_hangs_behind_a_spring_whatever_the_model_lumps_together(
     assert together.terms[0].part == pytest.approx(part, rel=0.1)
     assert together.drive_rms < 1.1 * apart.drive_rms
     assert together.terms[0].shape[0] == pytest.approx(6.0, rel=0.005)
+    body = RigidBody(mjcf, "joint")
+    prepared = prepare(logs, body)
+    rigid, elastic = (replay(prepared, body, f).rms for f in (fit(prepared), apart))
+    # a link that is locked moves as with a rigid gear
+    assert elastic < 0.2 * rigid

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arms.arm import random_arm
+from arms.fitted import joint_logs
 
 import frictionjoint as fj
 from frictionjoint.diagnose import close_loop as loop
@@ -16,8 +18,10 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
 from frictionjoint.measured import JointLog
-from frictionjoint.replay.free_runs import Replay, replay
+from frictionjoint.model_files import read_spec
+from frictionjoint.replay.free_runs import Replay, replay, replay_joints
 from frictionjoint.report.joint_report import Rms
+from frictionjoint.robot.joint import first_fit
 
 N, DT = 2000, 4e-3
 JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>
@@ -63,6 +67,18 @@ def test_runs_that_become_unstable_diverge_and_are_not_heard_of(
     assert found.runs.max() == pytest.approx(found.travel**2)
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr() == ("", "")
+
+
+def test_joints_of_an_arm_run_together_or_next_to_one_on_its_measured_path() -> None:
+    arm = random_arm(4, 2)
+    logs = joint_logs(arm, (1,), 5.0)
+    joints = {name: first_fit(own, arm.believed, name, None) for name, own in logs.items()}
+    for names in (["j1", "j2"], ["j2"]):
+        segments = {n: joints[n].prepared.segments[0] for n in names}
+        fits = {n: joints[n].fit for n in names}
+        found = replay_joints(read_spec(arm.believed), [segments], fits, {})
+        assert len(found.errors) == len(names)
+        assert found.rms < 0.01 * found.travel
 
 
 def test_a_report_states_no_figure_of_a_diverging_simulation(

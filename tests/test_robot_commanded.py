@@ -76,6 +76,10 @@ def test_joints_are_explained_and_the_knee_follows_its_target(report):
     assert after < 0.05 * before
     knee = report.joints["knee"]
     assert knee.after_replay.held_out < 0.1 * knee.before_replay.held_out
+    own = report.to_dict()["joints"]["knee"]
+    before, after = (own[stage]["closed_loop_mae"]["held_out"] for stage in ("before", "after"))
+    assert after < 0.1 * before
+    assert "diverges" not in report.summary()
 
 
 def test_the_rotor_that_the_model_lacks_is_named(report):
