@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate, columns_of
@@ -22,6 +22,8 @@ from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.stack import Columns, Stack, roots
 
+# change of a joint's load over its residual, below which its law stays as it is
+_HARDLY = 0.01
 _T = TypeVar("_T")
 _R = TypeVar("_R")
 Each = Callable[[Callable[[_T], _R], Iterable[_T]], Iterable[_R]]
@@ -35,13 +37,22 @@ class Settled:
         found: the causes. joints: the joints with the laws fitted under these causes.
         clock: time blocks of the joints.
         covariance: covariance of the numbers of each cause, from sums over blocks of time, (k, k);
-            infinite for numbers that the logs do not determine.
+            infinite for numbers that the logs do not determine. Of the final causes only.
     """
 
     found: Found
     joints: tuple[FittedJoint, ...]
     clock: Clock
     covariance: tuple[Array, ...] = field(default=(), repr=False)
+
+    def with_covariance(self, single_effects: frozenset[str]) -> "Settled":
+        """The same with the covariance, next to some effects of single joints, by label."""
+        if not self.found.causes:
+            return self
+        seen = screened(self.joints, self.clock, self.found, single_effects)
+        cov = covariance(seen.stack, columns_of((*seen.accepted, *seen.candidates)))
+        ends = np.cumsum([0, *(len(c.at) for c in seen.accepted)])
+        return replace(self, covariance=tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends)))
 
 
 def settle(
@@ -59,8 +70,7 @@ def settle(
     """
     now = tuple(j.corrected(found.state) for j in joints)
     if not found.causes:
-        if any(np.any(j.shift) for j in now if j.shift is not None):
-            now = _fitted_again(now, _again, each)
+        now = _fitted_again(now, _followed, each)
         return Settled(found, now, clock(now))
     before: tuple[FittedJoint, ...] | None = None
     for _ in range(4):
@@ -70,8 +80,7 @@ def settle(
         if before is not None and _cost(trial, before) > 0.999:
             break
         found, now, before = stepped, trial, trial
-    seen = screened(now, clock(now), found, single_effects)
-    return Settled(found, now, seen.stack.clock, _covariances(seen))
+    return Settled(found, now, clock(now))
 
 
 def _fitted_again(
@@ -89,8 +98,9 @@ def _fitted_again(
 
 def _followed(joint: FittedJoint) -> FittedJoint:
     """The law fitted again, from all starts if it may be biased."""
-    if joint.shift is not None and not np.any(joint.shift):
-        return replace(joint, shift=None)
+    # to first order the residual holds the shift already; a law adapts to a small one by less
+    if joint.shift is not None and root_mean_square(joint.shift) < _HARDLY * joint.rms:
+        return joint
     again = joint.refitted()
     # if the causes removed 30% of the squares, the law may be in another minimum
     if again.rms**2 > 0.7 * joint.rms**2:
@@ -132,13 +142,6 @@ def squares_left(
 def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
     """Sum over joints of the ratio of the sums of squares after and before."""
     return float(np.mean([(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
-
-
-def _covariances(seen: Screened) -> tuple[Array, ...]:
-    """Covariance of each cause's numbers."""
-    cov = covariance(seen.stack, columns_of((*seen.accepted, *seen.candidates)))
-    ends = np.cumsum([0, *(len(c.at) for c in seen.accepted)])
-    return tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends))
 
 
 def covariance(stack: Stack, at: Columns) -> Array:

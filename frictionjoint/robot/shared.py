@@ -141,7 +141,7 @@ def shared_causes(
     choices = restated(
         now.joints, now.clock, now.settled.found, now.choices, open_ones, single_effects
     )
-    return Shared(now.settled, choices, common)
+    return Shared(now.settled.with_covariance(single_effects), choices, common)
 
 
 def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Choice], ...]:
@@ -259,12 +259,21 @@ def _simplified(
     for out, several in proposed:
         choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
         rest = _Now(replace(now.settled, found=found.without(*out)), choices)
-        trial = _without_idle(_with(rest, several, each, single_effects), each, single_effects)
+        trial = _with(rest, several, each, single_effects)
         # fewer numbers leave a joint a little more of the data they are fitted to
-        nearly = float(_left(trial, now, single_effects).mean()) < 1.0 + HARM
-        if nearly and not _deviates_more(trial, now):
-            return trial, True
+        if not _explains_as_much(trial, now, single_effects):
+            continue
+        fewer = _without_idle(trial, each, single_effects)
+        if fewer is not trial and not _explains_as_much(fewer, now, single_effects):
+            continue
+        if not _deviates_more(fewer, now):
+            return fewer, True
     return now, False
+
+
+def _explains_as_much(after: _Now, before: _Now, single_effects: frozenset[str]) -> bool:
+    """Whether causes leave the joints hardly more."""
+    return float(_left(after, before, single_effects).mean()) < 1.0 + HARM
 
 
 def _deviates_more(after: _Now, before: _Now) -> bool:
