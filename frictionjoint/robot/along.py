@@ -107,23 +107,23 @@ class Along:
 
     def offset(self, joint: str) -> Array:
         """Torque per rad (m) of a joint's zero, shape (k,)."""
-        beyond = self.tree.beyond[self.dof]
         if joint not in self._turned:
             moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + _STEP}
-            other = self._regressor(moved)
-            self._turned[joint] = [
-                (kept(self.original, other.body(b, self.dof)) - self.bodies(b)) / _STEP
-                for b in beyond
-            ]
-        columns = self._turned[joint]
+            bodies = self.tree.beyond[int(self.model.joint(joint).dofadr[0])]
+            other = self.regressor.moved(self._trajectory(moved), bodies)
+            self._turned[joint] = {
+                b: (kept(self.original, other.body(b, self.dof)) - self.bodies(b)) / _STEP
+                for b in self.tree.beyond[self.dof]
+                if b in bodies
+            }
         found = np.zeros(len(self.rate))
-        for b, x in zip(beyond, columns, strict=True):
+        for b, x in self._turned[joint].items():
             found += x @ self.state.phi[b]
         return found
 
     @cached_property
-    def _turned(self) -> dict[str, list[Array]]:
-        """Change of the columns of the bodies beyond the joint per rad (m) of a joint's zero."""
+    def _turned(self) -> dict[str, dict[int, Array]]:
+        """Change of the columns of bodies beyond the joint per rad (m) of a joint's zero."""
         return {}
 
     def shaft(self, shaft: Shaft) -> Array:
