@@ -50,19 +50,6 @@ def log(Fs, Fc, Vs, stiffness, damping, viscous, noise, seed):
     return measured(t, q, INERTIA * a + friction + viscous * v, noise, rng, seed)
 
 
-def log_of_elements(Fs, Fc, Vs, reaches, viscous, noise, seed):
-    """A log of springs in parallel that stick and slip, each with an equal part of the level."""
-    rng = np.random.default_rng(seed)
-    t, q, v, a = motion(rng)
-    part = (Fc + (Fs - Fc) * np.exp(-((v / Vs) ** 2))) / len(reaches)
-    held, friction = np.zeros(len(reaches)), np.zeros_like(t)
-    for k in range(1, len(t)):
-        held += Fs / len(reaches) / reaches * (q[k] - q[k - 1])
-        held = np.clip(held, -part[k], part[k])
-        friction[k] = held.sum()
-    return measured(t, q, INERTIA * a + friction + viscous * v, noise, rng, seed)
-
-
 def fitted(*logs):
     prepared, found = base_fit(prepare(list(logs), RigidBody(JOINT, "j")), "integrated")
     found = with_last_freedoms(prepared, found)
@@ -99,13 +86,3 @@ def test_a_stribeck_velocity_may_differ_by_direction():
     assert law.Vs_pos == pytest.approx(0.12, rel=0.15)
     assert law.Vs_neg == pytest.approx(0.03, rel=0.15)
     assert found.rms_in_motion < 1.3 * 2e-3
-
-
-def test_elements_that_stick_and_slip_slide_sharply():
-    """Springs that reach their level one after the other: no exponent of a search comes near."""
-    own = {"reaches": np.linspace(1e-4, 1e-3, 10), "viscous": 0.1, "noise": 1e-3}
-    found, law = fitted(log_of_elements(0.75, 0.5, 0.06, seed=1, **own))
-    assert law.n > 4.0
-    assert law.Fc_pos == pytest.approx(0.5, rel=0.01)
-    assert law.Fs_pos == pytest.approx(0.75, rel=0.05)
-    assert found.rms_in_motion < 1.2 * 1e-3

@@ -165,27 +165,6 @@ def test_a_tick_holds_and_a_target_arrives_late():
     np.testing.assert_allclose(held(T, T, np.array([0.004, 0.01, 5.0])), [0.0, 0.01, T[-1]])
 
 
-@pytest.mark.parametrize(("delay", "rate"), [(0.0, 1.3), (0.012, 1.3), (0.0, 0.2), (0.02, 40.0)])
-def test_a_mean_command_is_followed_at_a_limited_speed_between_samples(delay, rate):
-    target = 0.3 * np.sign(np.sin(9.0 * T)) + 0.2 * np.sin(5.0 * T)
-    given = log(target=target, position=np.zeros(len(T)))
-    # as firmware at 100 kHz follows it, averaged over a sample
-    h = 1e-5
-    fine = np.arange(T[0] - 0.1, T[-1] + 0.1, h)
-    command, follows = held(T, target, fine - delay), np.empty(len(fine))
-    here = target[0]
-    for i, wanted in enumerate(command):
-        here += min(rate * h, max(-rate * h, wanted - here))
-        follows[i] = here
-    area = np.concatenate([[0.0], np.cumsum(follows) * h])
-    edges = np.interp(
-        np.concatenate([T - 0.005, T[-1:] + 0.005]), np.append(fine, fine[-1] + h), area
-    )
-    c = Controller(output="torque_nm", kp=1.0, delay_s=delay, target_rate=rate)
-    drive = commands(given, c).mean_drive()
-    np.testing.assert_allclose(drive, np.diff(edges) / 0.01, atol=2e-4)
-
-
 def test_a_log_without_drive_or_controller_says_what_is_missing():
     with pytest.raises(LogError, match="give the gains that drove the joint, --controller"):
         with_drive(log(), None)

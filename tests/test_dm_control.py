@@ -133,23 +133,6 @@ def test_control_environment_equals_plain_steps(integrator, legacy_step):
     assert np.abs(episodes(environment, 1)[0] - expected[0]).max() > 0.1
 
 
-@pytest.mark.parametrize("share_model", [True, False])
-def test_a_copy_of_the_physics_goes_on_bit_for_bit(share_model):
-    physics = dm_mujoco.Physics.from_xml_string(spec().to_xml())
-    physics.legacy_step = True
-    with fj.attach(physics.model.ptr):
-        for k in range(60):
-            physics.set_control(action(k))
-            physics.step(SUB_STEPS)
-        twin = physics.copy(share_model=share_model)
-        twin.legacy_step = True
-        for k in range(60, 120):
-            for each in (physics, twin):
-                each.set_control(action(k))
-                each.step(SUB_STEPS)
-            np.testing.assert_array_equal(physics.data.qpos, twin.data.qpos)
-
-
 def robot() -> mjcf.RootElement:
     return mjcf.from_xml_string(ARM.format(integrator="implicitfast"))
 

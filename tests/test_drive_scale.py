@@ -102,9 +102,9 @@ def test_a_gain_from_the_load_widens_the_errors() -> None:
     )
     own = log()
     loaded = replace(own, current=own.current + 0.3 * 9.81 * np.sin(own.position) / KT)
-    report = fj.close_loop([loaded], heavy, "j")
-    assert report.units == ("N m", "rad")
-    gain, level = report.final["gain"], report.final["Fc_pos"]
+    found = fj.identify([loaded], heavy, "j")
+    assert found.unit == "N m"
+    gain, level = found.estimates["gain"], found.estimates["Fc_pos"]
     assert gain.value == pytest.approx(KT, rel=0.05)
     assert gain.unit == "N m/A"
     assert level.value == pytest.approx(FC, rel=0.05)

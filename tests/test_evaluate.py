@@ -149,19 +149,6 @@ def test_a_target_needs_a_controller_and_gives_a_closed_loop() -> None:
         fj.evaluate(NONE, [log])
 
 
-def test_a_drive_of_nothing_has_no_percentage() -> None:
-    log = simulated(COULOMB)
-    torque = 1e-9 * log.torque
-    torque[: len(torque) // 2] = 0.0
-    silent = JointLog(name="a", joint="elbow", time=log.time, position=log.position, torque=torque)
-    found = fj.evaluate(COULOMB, [silent])
-    assert found.joints["elbow"].torque_percent is None
-    assert any("next to nothing" in note for note in found.notes)
-    known = found.joints["elbow"].curves[0].known
-    assert not known[: len(known) // 2 - 100].any()
-    assert known[len(known) // 2 + 100 : -1000].all()
-
-
 @settings(max_examples=12, deadline=None)
 @given(
     size=st.sampled_from([0.0, 1e-12, 1e-6, 1e-3, 1.0, 1e3]),

@@ -6,7 +6,6 @@ import pytest
 
 from frictionjoint import close_loop
 from frictionjoint.identify.matching import check_logs
-from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
 
@@ -61,19 +60,6 @@ def test_limits_at_both_ends_that_the_model_lacks_are_one_end_stop():
     assert stop.parameters["upper"].value == pytest.approx(LIMIT, abs=0.02)
     assert stop.parameters["lower"].value == pytest.approx(-LIMIT, abs=0.02)
     assert not [note for note in report.notes if "saturates" in note]
-
-
-def test_samples_at_a_limit_and_close_by_do_not_count():
-    body, log = RigidBody(BELIEVED, "j"), pressed(1)
-    at = body.at_limit(log.position)
-    assert 0.05 < at.mean() < 0.4
-    (segment,) = prepare([log], body).segments
-    (free,) = prepare([log], RigidBody(MODEL.format(""), "j")).segments
-    there = np.abs(np.interp(segment.signals[:, 0], log.time, log.position)) >= LIMIT
-    assert there.any()
-    assert not segment.mask[there].any()
-    lost = free.mask & ~segment.mask
-    assert lost.sum() > there.sum()
 
 
 @pytest.mark.parametrize(

@@ -19,21 +19,6 @@ def mean_drive(target, position, **controller):
     return commands(log, Controller(output="torque_nm", kp=5.0, **controller)).mean_drive()
 
 
-def test_what_is_held_for_a_tick_was_read_half_a_tick_before_on_average():
-    """Firmware at 250 Hz, begun at each of ten moments of its tick."""
-    target, position = 0.8 * np.sin(7.0 * T), 0.8 * np.sin(7.0 * T - 0.5)
-    h, tick = SAMPLE / 200.0, 80
-    fine = h * (np.arange(200 * len(T)) + 0.5)
-    drive = np.zeros(len(fine))
-    for phase in range(4, tick, 8):
-        at = np.maximum((np.arange(len(fine)) - phase) // tick * tick + phase, 0)
-        error = held(T, target, fine[at]) - np.interp(fine[at], T, position)
-        drive += 0.1 * 5.0 * error
-    expected = drive[100:-100].reshape(-1, 200).mean(axis=1)
-    found = mean_drive(target, position, rate_hz=1.0 / (tick * h))[1:]
-    np.testing.assert_allclose(found[5:-5], expected[5:-5], atol=0.002 * np.abs(expected).max())
-
-
 @pytest.mark.parametrize(
     "known",
     [

@@ -25,28 +25,6 @@ def test_a_spiral_deeper_than_the_stacks_stays_near_full_memory():
     assert np.abs(got[: m.CAPACITY] - wanted[: m.CAPACITY]).max() < 5e-6
 
 
-def test_thousands_of_shrinking_reversals_stay_within_the_bound():
-    """In and out again, against the reference with all its memory; the row never grows."""
-    reversals = 2_000
-    spiral = 1.4e-5 * (1 - np.arange(reversals) / (reversals + 1))
-    spiral *= (-1.0) ** np.arange(reversals)
-    q = np.concatenate(([0.0], spiral, -spiral[::-1]))
-    P = LAW.pack()
-    X = np.zeros(row_size(P, 0))
-    start_row(P, 0, X, 0)
-    torque, bound = [0.0], [0.0]
-    for dq in np.diff(q):
-        torque.append(step_row(P, 0, X, 0, dq, 1.0, dq))
-        commit(P, 0, X, 0)
-        bound.append(X[m.BOUND])
-    wanted, events = reference_torque(LAW, np.arange(len(q)) * 1.0, q)
-    assert events["reversal"] > reversals
-    assert X[m.FORGOTTEN] > reversals / 2 - m.CAPACITY - 50
-    error = np.abs(np.array(torque) - wanted)
-    assert (error <= np.array(bound) + 1e-5).all()
-    assert error.max() < 0.01 * LAW.Fs_pos  # far below what the bound allows
-
-
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.9, 0.9999), st.integers(30, 150))
 def test_what_is_given_up_costs_less_than_stated(seed, shrink, reversals):

@@ -127,15 +127,6 @@ def test_pendulum_hangs_at_zero_and_has_the_tip_mass():
     assert inertia(model) == pytest.approx(0.49 * 0.1**2 + 0.002 + 1e-6)
 
 
-def test_ur10_reach_and_shoulder_load():
-    data = at(model_of("ur10"), *np.zeros(6))
-    # Stretched along -x: flange at a2 + a3, and the masses beyond the shoulder times their arms.
-    expected = [-0.612 - 0.5723, -0.163941 - 0.0922, 0.1273 - 0.1157]
-    assert data.site("flange").xpos == pytest.approx(expected, abs=1e-9)
-    moment = 12.7 * 0.232 + 4.27 * (0.612 + 0.3323) + 4.365 * (0.612 + 0.5723)
-    assert abs(data.qfrc_inverse[1]) == pytest.approx(9.81 * moment, rel=1e-6)
-
-
 def test_kr300_counterbalance_follows_the_gas_law():
     model = model_of("kuka_kr300")
     area = np.pi * (0.055**2 - 0.03**2) / 4

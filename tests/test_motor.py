@@ -2,12 +2,9 @@
 
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 import pytest
-from servo_loop import Servo, run_servo
 
-from frictionjoint import FrictionParameters
 from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.effects import back_emf, load_dependent
@@ -20,15 +17,11 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import friction_spec
-from frictionjoint.simulate.carrier import install
-from frictionjoint.simulate.motor import Motor, add_motor
+from frictionjoint.simulate.motor import Motor
 
 MASS, LENGTH, ARMATURE, GRAVITY = 0.5, 0.1, 0.002, 9.81
 INERTIA = MASS * LENGTH**2 + ARMATURE + 1e-6
 MOTOR = Motor(gain=0.1, back_emf=0.04)
-LAW = FrictionParameters.symmetric(
-    Fs=0.02, Fc=0.02, Vs=0.1, sigma2=0.004, n=2, knots=((1e-4, 0.04),)
-)
 XML = f"""
 <mujoco><option timestep="0.001" integrator="implicitfast" gravity="0 0 -{GRAVITY}"/>
 <worldbody><body><joint name="arm" axis="0 -1 0" armature="{ARMATURE}"/>
@@ -36,14 +29,6 @@ XML = f"""
 </mujoco>"""
 N = 4000
 VISCOUS = 0.02  # of the plant
-
-
-def model(motor=MOTOR, law=LAW, effects=()):
-    spec = mujoco.MjSpec.from_string(XML)
-    if motor:
-        add_motor(spec, "arm", motor)
-    install(spec, {"arm": law}, {"arm": list(effects)})
-    return spec.compile()
 
 
 def log(target, enabled=None, position=0.0):
@@ -70,14 +55,6 @@ def swing(back_emf, start=1.0):
         v += h * (pull - np.copysign(brake, INERTIA * v / h + pull)) / INERTIA
         q += h * v
     return np.array(path)
-
-
-@pytest.mark.parametrize(("enabled", "emf"), [(False, 0.0), (True, 0.04)])
-def test_only_a_closed_circuit_brakes(enabled, emf):
-    """Let go, the arm swings as without a motor; held at 0 V, the back-EMF brakes it."""
-    held = np.full(N, enabled)
-    found = run_servo(model(), "arm", log(np.zeros(N), held, 1.0), Servo(0.0, 7.0))
-    np.testing.assert_allclose(found, swing(emf), atol=0.01)
 
 
 # identification

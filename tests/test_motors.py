@@ -181,19 +181,6 @@ def test_every_motor_says_where_it_is_from_and_goes_into_a_model(tmp_path, motor
     assert np.isfinite(data.qpos).all()
 
 
-def test_units_of_one_actuator_are_listed_with_their_spread():
-    several = [motor for motor in list_motors() if motor.units]
-    assert {"ur10e_size2", "fr3_small", "dm4310"} <= {motor.name for motor in several}
-    for motor in several:
-        assert motor.joint in motor.units
-        law = motor.friction.parameters
-        own = motor.units[motor.joint]
-        assert own["Fc"] == pytest.approx((law.Fc_pos + law.Fc_neg) / 2.0, rel=1e-3)
-    text = call("show", several[0].name).stdout
-    assert all(unit in text for unit in several[0].units)
-    assert "mean ± deviation" in text
-
-
 def test_a_list_of_one_robot_and_a_motor_with_its_curve():
     listed = CliRunner().invoke(app, ["motors", "list", "--robot", "panda", "--json"])
     names = [row["name"] for row in json.loads(listed.stdout)]

@@ -24,7 +24,6 @@ from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.recordings.variances import moderated
 from frictionjoint.refine.posterior import Posterior, numbers_in
 from frictionjoint.rivals import LuGreParameters
-from frictionjoint.robot.explain import Explained, State, Task, explain_joint
 from frictionjoint.simulate.carrier import install
 
 STEP, EVERY, SECONDS = 5e-4, 8, 12.0
@@ -206,8 +205,8 @@ def test_recordings_that_are_not_compared_are_said() -> None:
     assert "no N m" in note
 
 
-@pytest.mark.parametrize("tau", [0.0, 0.05, 0.2])
-@pytest.mark.parametrize("dof", [6.0, 1e6])
+@pytest.mark.parametrize("tau", [0.0, 0.2])
+@pytest.mark.parametrize("dof", [6.0])
 @pytest.mark.parametrize("apart", [0.0, 0.5])
 def test_intervals_over_recordings_hold_what_they_say(tau: float, dof: float, apart: float) -> None:
     """Of fleets of six recordings, whose errors are estimated from blocks of time.
@@ -228,21 +227,6 @@ def test_intervals_over_recordings_hold_what_they_say(tau: float, dof: float, ap
         alarms.append(found.p_value < 0.05)
     assert 0.90 < np.mean(inside) < 0.98
     assert np.mean(alarms) < 0.08 if tau == 0.0 else np.mean(alarms) > 0.08
-
-
-def test_each_joint_of_a_robot_states_how_it_differs() -> None:
-    """As the joint alone does: a joint of a robot is compared in the model of the whole robot."""
-    bare = State(ARM.format(joint="", end=""))
-    levels = (0.24, 0.36, 0.30)
-    logs = [recording(40 + i, Fc=Fc).part(slice(0, 1500), "") for i, Fc in enumerate(levels)]
-    found = explain_joint(Task("elbow", logs, [], bare, None, 0, "lugre", corrected=bare))
-    assert isinstance(found, Explained)
-    rows = {row["number"]: row for row in found.report.recordings}
-    values = [x["value"] for x in rows["Fc"]["recordings"]]
-    np.testing.assert_allclose(values, levels, rtol=0.03)
-    assert rows["sigma2"]["deviation"] < 0.1 * SIGMA2
-    drawn = [x.parameters.Fc_pos for x in found.report.posterior.sample(300)]
-    assert np.std(drawn) > 0.03
 
 
 def test_recordings_of_another_load_are_left_out() -> None:

@@ -1,8 +1,5 @@
 """Refinement by simulation on servos simulated by MuJoCo."""
 
-import sys
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from law_shapes import law_at
@@ -15,7 +12,6 @@ from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.refine import refine
-from frictionjoint.refine.refine import without_stribeck
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import closed_loop, courses_of
 
@@ -62,33 +58,3 @@ def test_what_is_hidden_is_found_again(case):
     late = sum(t.delay for t in found.fit.terms)
     # a target that acts late and a torque that comes late are alike but for the joint's own motion
     assert delay + late == pytest.approx(HIDDEN["delay"], rel=0.2)
-
-
-def test_a_law_that_the_balance_has_bent_over_all_speeds_is_left_again(monkeypatch):
-    """The plant's level does not fall with the speed; logs of one gain hardly tell."""
-    body = RigidBody(PLANT.format(""), "j")
-    logs = [
-        servo(f"{m.__name__} {kp}", kp, m, HIDDEN, 3.0)
-        for kp in (0.8, 3.0)
-        for m in (steps, sines, swept)
-    ]
-    prepared = prepare(logs, body, controller=KNOWN)
-    fitted = refit(prepared, TERMS, law_at(INTEGRATED[0], 0.1, 0.002), ROUGH)
-    names, numbers = fitted.shape.variables, fitted.shape.vector()
-    levels = dict(zip(names, numbers, strict=True)) | {"excess": 2.9, "log Vs": 0.9}
-    shape = fitted.shape.moved(np.array(list(levels.values())))
-    fitted = refit(prepared, fitted.terms, shape, ROUGH, 1)
-    (plain,) = without_stribeck(prepared, fitted)
-    excess = names.index("excess")
-    assert plain.shape.vector()[excess] == pytest.approx(0.0, abs=1e-3)
-    assert not without_stribeck(prepared, replace(plain, shape=plain.shape.moved(numbers * 0)))
-    cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
-    courses = courses_of(logs, [body] * len(logs), KNOWN)
-    other = courses_of([servo("swept 1.5", 1.5, swept, HIDDEN, 3.0)], [body], KNOWN)
-    found = refine(prepared, fitted, cov, courses).fit
-    module = sys.modules[refine.__module__]
-    monkeypatch.setattr(module, "without_stribeck", lambda *given: [])
-    bent = refine(prepared, fitted, cov, courses).fit
-    assert bent.shape.vector()[excess] > 2.0
-    assert found.shape.vector()[excess] < 0.2
-    assert closed_loop(other, found).mae < 0.85 * closed_loop(other, bent).mae

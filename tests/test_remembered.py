@@ -48,7 +48,3 @@ def test_a_simulated_joint_tells_what_it_remembers_and_what_it_gave_up():
     assert max(many.minima, many.maxima) < m.CAPACITY
     errors = [x.error for x in found]
     assert errors == sorted(errors)
-
-
-def test_the_stated_error_is_never_more_than_the_whole_hysteresis():
-    assert spiralling_model(2000)[-1].error <= LAW.Fs_pos + LAW.Fs_neg

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from law_shapes import law_at
-from servo_plant import COUNT, KNOWN, PLANT, moved, servo, sines, steps, swept
+from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.control.kernel import STATE, one_tick
 from frictionjoint.control.kernel import TICK as TICK_AT
@@ -20,21 +20,6 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.closed_loop import closed_loop, courses_of, found_controller
 
 MOTOR = (EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf")),)
-
-
-@pytest.fixture(scope="module")
-def course():
-    time = 0.01 * np.arange(100)
-    log = JointLog(
-        name="steps",
-        joint="j",
-        time=time,
-        position=0.1 * np.sin(time),
-        target=np.floor(time / 0.1 + 1e-9),
-        metadata={"kp": 2.0},
-        motion="stairs",
-    )
-    return courses_of([log], [RigidBody(PLANT.format(""), "j")], KNOWN)[0]
 
 
 @pytest.mark.parametrize("rate", [60.0, 300.0, 800.0, 1000.0, 1500.0, 2000.0])
@@ -52,35 +37,6 @@ def test_ticks_come_at_their_rate(rate):
         one_tick(run.block, S, i * run.step, run.target[i], 0.0, 0.0)
         ticks.add(S[TICK_AT])
     assert len(ticks) == pytest.approx(min(rate, 1.0 / run.step) + 1.0, abs=1.0)
-
-
-@pytest.mark.parametrize("motion", [steps, sines, swept])
-def test_a_plant_run_again_from_its_log_does_as_it_did(motion):
-    """The log holds the target that the plant followed, and its beginning the velocity."""
-    hidden = {"delay": 0.02}
-    log = servo("again", 3.0, motion, hidden)
-    course = courses_of([log], [RigidBody(PLANT.format(""), "j")], KNOWN)[0]
-    friction = 'frictionloss="0.06" damping="0.03"'
-    exact = moved(log.target, 3.0, hidden, friction)
-    assert np.max(np.abs(exact - log.position)) <= 0.5 * COUNT + 1e-12
-    again = moved(log.target, 3.0, hidden, friction, course.run.start)
-    assert np.mean(np.abs(again - log.position)) < 0.5 * COUNT
-
-
-@pytest.mark.parametrize("motion", [steps, sines, swept])
-@pytest.mark.parametrize("emf", [0.0, 0.9])
-def test_simulations_in_windows_start_from_the_motion_of_the_joint(motion, emf):
-    """To less than a count, also where steps set off a joint that little brakes."""
-    hidden = {"emf": emf}
-    log = servo("log", 1.0, motion, hidden)
-    course = courses_of([log], [RigidBody(PLANT.format(""), "j")], KNOWN)[0]
-    position, velocity = course.motion
-    exact = moved(log.target, 1.0, hidden, 'frictionloss="0.06" damping="0.03"')
-    off = course.at_samples(position) - exact
-    assert np.sqrt(np.mean(off**2)) < COUNT
-    speed = np.gradient(exact, log.time)
-    off = course.at_samples(velocity) - speed
-    assert np.sqrt(np.mean(off**2)) < 0.05 * np.std(speed)
 
 
 def test_a_target_that_acts_within_a_sample_does_so_by_the_controller_that_is_written():

@@ -12,7 +12,6 @@ from frictionjoint.effects import (
     load_dependent,
     measurement_delay,
     temperature_dependent,
-    torque_gain,
     warm_up_drift,
 )
 from frictionjoint.errors import ModelError
@@ -73,27 +72,6 @@ def test_the_load_is_that_of_the_whole_arm(backend):
     assert np.std(coupled) > 0.5
     np.testing.assert_allclose(found, wanted, atol=0.03)
     assert np.std(wanted) > 0.3
-
-
-def test_a_wrong_motor_constant_scales_the_rotor_too():
-    step, gain = 2e-4, 0.2
-    model = model_of(ARM.format(step=step, floor=""), [(torque_gain.EFFECT, (), (gain,))], "a")
-    model.dof_armature[0] = 0.8
-    data = mujoco.MjData(model)
-    found, wanted, rotor = [], [], []
-    with fj.attach(model):
-        for k in range(1500):
-            data.ctrl[0] = 9.0 * math.sin(11.0 * data.time)
-            mujoco.mj_step(model, data)
-            if k % 50 == 49:
-                again = mujoco.MjData(model)
-                mujoco.mj_copyData(again, model, data)
-                mujoco.mj_forward(model, again)
-                found.append(fj.torque(model, again)["a"].effects["torque-gain"])
-                rotor.append(gain * model.dof_armature[0] * again.qacc[0])
-                wanted.append(gain * geared_load(model, again, 0) + rotor[-1])
-    assert np.std(rotor) > 0.2
-    np.testing.assert_allclose(found, wanted, atol=0.03)
 
 
 def test_the_loss_warms_the_joint():
