@@ -1,14 +1,12 @@
 """Logs as other programs write them: preambles, units, episodes, folders, one file per signal."""
 
-import json
 import os
 import sys
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet
 import pytest
+from test_readers import lerobot_set
 
 from frictionjoint.cli.logs import LogOptions, log_paths
 from frictionjoint.errors import LogError
@@ -84,44 +82,18 @@ def test_units_are_converted_where_they_are_named(
         np.testing.assert_allclose(getattr(log, name), x, rtol=1e-12, atol=1e-15)
 
 
-def lerobot(folder: Path, episodes: int = 3) -> Path:
-    """A data set of one joint, with the nested names of converted G1 recordings."""
-    feature = {"dtype": "float32", "shape": [1], "names": [["kElbow"]]}
-    (folder / "meta").mkdir(parents=True)
-    (folder / "data/chunk-000").mkdir(parents=True)
-    info = {
-        "total_episodes": episodes,
-        "fps": 100,
-        "chunks_size": 1000,
-        "data_path": "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
-        "features": {"observation.state": feature, "action": feature},
-    }
-    (folder / "meta/info.json").write_text(json.dumps(info))
-    for i in range(episodes):
-        table = pa.table(
-            {
-                "timestamp": T,
-                "episode_index": np.full(N, i),
-                "observation.state": [[x + i] for x in Q],
-                "action": [[x + i + 0.01 * np.sin(5 * t)] for x, t in zip(Q, T, strict=True)],
-            }
-        )
-        path = folder / f"data/chunk-000/episode_{i:06d}.parquet"
-        pyarrow.parquet.write_table(table, path)
-    return folder
-
-
 def test_episodes_of_a_data_set_are_logs_of_their_own(tmp_path: Path) -> None:
-    folder = lerobot(tmp_path / "arm")
-    assert joints_with_drive(folder) == joints_with_drive(f"{folder}#2") == ["kElbow"]
+    # nested names, as of converted G1 recordings
+    folder = lerobot_set(tmp_path / "arm", 2, [["kElbow", "kWrist"]], 3)
+    assert joints_with_drive(folder) == joints_with_drive(f"{folder}#2") == ["kElbow", "kWrist"]
     assert [x.name for x in log_files(folder)] == ["arm#0", "arm#1", "arm#2"]
     found = log_paths([folder], [f"{folder}#1"])
     assert [x.name for x in found.logs] == ["arm#0", "arm#2"]
     assert found.kept == [Path(f"{folder}#1")]
-    read = LogOptions(unit=["position=rad"]).reader(found)
+    read = LogOptions(unit=["position=deg"]).reader(found)
     logs = [read(path, "kElbow") for path in found.logs]
     assert [log.name for log in logs] == ["arm#0", "arm#2"]
-    np.testing.assert_allclose(logs[1].position - logs[0].position, 2.0)
+    np.testing.assert_allclose(logs[1].position, 3.0 * logs[0].position, atol=1e-6)
     assert [x.name for x in log_files(f"{folder}#0-1")] == ["arm#0", "arm#1"]
     with pytest.raises(LogError, match="no episode 7, it has 0 to 2"):
         log_files(f"{folder}#0,7")

@@ -313,8 +313,8 @@ def test_a_bad_file_of_tensors_is_one_line(
             read_log(path, "joint_1")
 
 
-def lerobot_set(folder: Path, version: int, names: object = None) -> Path:
-    """A data set of two episodes of two joints, in degrees, at 50 frames a second."""
+def lerobot_set(folder: Path, version: int, names: object = None, count: int = 2) -> Path:
+    """A data set of some episodes of two joints, in degrees, at 50 frames a second."""
     names = names or ["elbow.pos", "wrist.pos"]
     feature = {"dtype": "float32", "shape": [2], "names": names}
     pattern = (
@@ -325,7 +325,7 @@ def lerobot_set(folder: Path, version: int, names: object = None) -> Path:
     info = {
         "codebase_version": f"v{version}.0",
         "fps": 50,
-        "total_episodes": 2,
+        "total_episodes": count,
         "chunks_size": 1000,
         "data_path": pattern,
         "features": {"observation.state": feature, "action": feature},
@@ -347,7 +347,7 @@ def lerobot_set(folder: Path, version: int, names: object = None) -> Path:
                 ),
             }
         )
-        for i in range(2)
+        for i in range(count)
     ]
     if version == 2:
         for i, table in enumerate(episodes):
