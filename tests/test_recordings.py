@@ -97,7 +97,9 @@ def report(folder: Path) -> Path:
     (folder / "model.xml").write_text(str(k.model))
     factor = np.sqrt(np.diag(k.cov))
     posterior = {"parameters": dict(k.content), "factor": np.diag(factor).tolist()}
-    (folder / "report.json").write_text(json.dumps({"joint": "elbow", "after": {}, "posterior": posterior}))
+    (folder / "report.json").write_text(
+        json.dumps({"joint": "elbow", "after": {}, "posterior": posterior})
+    )
     return folder
 
 
