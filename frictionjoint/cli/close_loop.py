@@ -13,8 +13,6 @@ from frictionjoint.cli.logs import (
     LAW_TO_FIT,
     LOG_FORMATS,
     NO_OPTIONS,
-    ControllerFile,
-    Fixed,
     Joints,
     LogOptions,
     Model,
@@ -23,7 +21,6 @@ from frictionjoint.cli.logs import (
     log_paths,
     models_of,
     paths_of,
-    poses,
     reads_logs,
 )
 from frictionjoint.cli.output import Force, Json, Open, open_page, require_writable
@@ -44,7 +41,7 @@ Seed = Annotated[
 ]
 
 
-@reads_logs("gain", "signal")
+@reads_logs("gain", "signal", "fixed", "controller")
 def close_loop_command(
     model: Model,
     out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for the report.")],
@@ -60,8 +57,6 @@ def close_loop_command(
         ),
     ] = None,
     law: Law = None,
-    fixed: Fixed = None,
-    controller: ControllerFile = None,
     refine: Annotated[
         bool | None,
         typer.Option(
@@ -149,7 +144,7 @@ def close_loop_command(
             *paths_of(model),
         ]
         require_writable(out, inputs, force, FILES[:2] if units else FILES)
-        how = Options(seed, say, law, poses(fixed), controller, refine, None, scheduler)
+        how = Options(seed, say, law, options.poses, options.controller, refine, None, scheduler)
         if units:
             of_kind = close_loop_units({n: logs_of(x) for n, x in units.items()}, mjcf, how)
             write_units_report(of_kind, out, command)

@@ -9,13 +9,10 @@ from rich.table import Table
 
 from frictionjoint.cli.logs import (
     NO_OPTIONS,
-    ControllerFile,
-    Fixed,
     LogOptions,
     Logs,
     ReportJoint,
     log_paths,
-    poses,
     reads_logs,
 )
 from frictionjoint.cli.output import Json
@@ -24,15 +21,13 @@ from frictionjoint.cli.terminal import console, progress
 DRIFTED = 1
 
 
-@reads_logs("gain")
+@reads_logs("gain", "fixed", "controller")
 def drift(
     report: Annotated[
         Path, typer.Argument(metavar="REPORT", help="Folder of a report of close-loop.")
     ],
     logs: Logs,
     joint: ReportJoint = None,
-    fixed: Fixed = None,
-    controller: ControllerFile = None,
     options: LogOptions = NO_OPTIONS,
     as_json: Json = False,
 ) -> None:
@@ -55,10 +50,10 @@ def drift(
 
     with progress() as say:
         paths = log_paths(logs, [], options.join)
-        known = replace(known_of(report, joint), fixed=poses(fixed))
+        known = replace(known_of(report, joint), fixed=options.poses)
         read = options.reader(paths)
         say("comparing")
-        given = controller or controller_file(report, known.joint)
+        given = options.controller or controller_file(report, known.joint)
         drives = controller_of(given, known.joint, [compile_model(known.model)])
         new = [with_known_drive(read(path, known.joint), drives) for path in paths.logs]
         rows = compared(known, new)

@@ -9,13 +9,10 @@ from rich.table import Table
 
 from frictionjoint.cli.logs import (
     NO_OPTIONS,
-    ControllerFile,
-    Fixed,
     Joints,
     LogOptions,
     Logs,
     log_paths,
-    poses,
     reads_logs,
 )
 from frictionjoint.cli.output import Force, Json, require_writable
@@ -24,18 +21,16 @@ from frictionjoint.cli.terminal import console, progress
 FILES = ("evaluation.html", "evaluation.json")
 
 
-@reads_logs("gain")
+@reads_logs("gain", "fixed", "controller")
 def evaluate(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MJCF or URDF, with any friction or none.")
     ],
     logs: Logs,
     joint: Joints = None,
-    controller: ControllerFile = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots.")
     ] = None,
-    fixed: Fixed = None,
     options: LogOptions = NO_OPTIONS,
     force: Force = False,
     as_json: Json = False,
@@ -60,7 +55,7 @@ def evaluate(
             require_writable(out, [*paths.logs, model], force, FILES)
         read = options.reader(paths)
         say("evaluating")
-        found = run(model, paths.logs, joint, controller, poses(fixed), read)
+        found = run(model, paths.logs, joint, options.controller, options.poses, read)
         text = json.dumps(found.to_dict(), indent=2)
         if out is not None:
             say("writing the page")

@@ -9,15 +9,12 @@ import typer
 from frictionjoint.cli.logs import (
     LAW_TO_FIT,
     NO_OPTIONS,
-    ControllerFile,
-    Fixed,
     LogOptions,
     Logs,
     Model,
     log_paths,
     models_of,
     paths_of,
-    poses,
     reads_logs,
     the_joint,
 )
@@ -36,15 +33,13 @@ Joint = Annotated[
 Law = Annotated[str, typer.Option("--law", help=LAW_TO_FIT)]
 
 
-@reads_logs("gain", "signal")
+@reads_logs("gain", "signal", "fixed", "controller")
 def identify(
     logs: Logs,
     model: Model,
     out: Annotated[Path, typer.Option("--out", metavar="TOML", help="Parameter file to write.")],
     joint: Joint = None,
     law: Law = LAWS[0],
-    fixed: Fixed = None,
-    controller: ControllerFile = None,
     options: LogOptions = NO_OPTIONS,
     force: Force = False,
     as_json: Json = False,
@@ -64,7 +59,9 @@ def identify(
         joint = the_joint(joint, model)
         read_one = options.reader(paths)
         read = [read_one(path, joint) for path in paths.logs]
-        found = identify_law(read, models_of(model), joint, law, poses(fixed), controller, say)
+        found = identify_law(
+            read, models_of(model), joint, law, options.poses, options.controller, say
+        )
         write_files(out.parent, {out.name: found.to_toml()})
     if as_json:
         typer.echo(json.dumps(found.to_dict(), indent=2))

@@ -184,6 +184,31 @@ class LogOptions:
     drop_nan: bool = False
     gain: float | None = None
     signal: list[str] | None = None
+    fixed: list[str] | None = None
+    controller: str | None = None
+
+    @property
+    def poses(self) -> dict[str, float | list[float]]:
+        """Fixed positions by joint.
+
+        Raises:
+            ModelError: not JOINT=VALUE, or a joint twice.
+        """
+        found: dict[str, float | list[float]] = {}
+        for text in self.fixed or []:
+            name, _, value = text.rpartition("=")
+            try:
+                numbers = [float(x) for x in value.split(",")]
+            except ValueError:
+                numbers = []
+            if not name or not numbers:
+                raise ModelError(
+                    f"--fixed {text}: write JOINT=VALUE in rad or m, e.g. shoulder=0.3"
+                )
+            if name in found:
+                raise ModelError(f"--fixed {name} is given twice: keep one")
+            found[name] = numbers if len(numbers) > 1 else numbers[0]
+        return found
 
     def reader(self, paths: "LogPaths") -> "Callable[[str | Path, str], JointLog]":
         """A function that reads a joint, "" for the only one, of one of these logs.
@@ -216,15 +241,17 @@ _TYPES = {
     "unit": Units,
     "join": Join,
     "drop_nan": DropNan,
+    "fixed": Fixed,
+    "controller": ControllerFile,
 }
-_OPTIONAL = ("gain", "signal")
+_OPTIONAL = ("gain", "signal", "fixed", "controller")
 
 
 def reads_logs(*also: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the options of `LogOptions` in place of its parameter ``options``.
 
     Args:
-        also: "gain" and "signal", which not every command has.
+        also: those of "gain", "signal", "fixed" and "controller", which not every command has.
     """
     names = [name for name in _TYPES if name not in _OPTIONAL or name in also]
     own = [
@@ -319,27 +346,6 @@ def columns_of(column: list[str] | None) -> dict[str, str]:
         if not (ours and equals and theirs):
             raise LogError(f"--column {text}: write ours=theirs, e.g. time_s=t")
         found[ours] = theirs
-    return found
-
-
-def poses(fixed: list[str] | None) -> dict[str, float | list[float]]:
-    """Fixed positions by joint.
-
-    Raises:
-        ModelError: not JOINT=VALUE, or a joint twice.
-    """
-    found: dict[str, float | list[float]] = {}
-    for text in fixed or []:
-        name, _, value = text.rpartition("=")
-        try:
-            numbers = [float(x) for x in value.split(",")]
-        except ValueError:
-            numbers = []
-        if not name or not numbers:
-            raise ModelError(f"--fixed {text}: write JOINT=VALUE in rad or m, e.g. shoulder=0.3")
-        if name in found:
-            raise ModelError(f"--fixed {name} is given twice: keep one")
-        found[name] = numbers if len(numbers) > 1 else numbers[0]
     return found
 
 
