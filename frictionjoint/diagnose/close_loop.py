@@ -49,6 +49,7 @@ from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.measured.log import JointLog
 from frictionjoint.model_text import model_text
+from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.refine.motion import window_squares
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refine import Refined
@@ -104,12 +105,15 @@ def explain(
     law: str | None = None,
     controller: Controller | None = None,
     refine: bool | None = None,
+    ends: bool = False,
 ) -> Analysis:
     """Report and findings for the logs of one joint.
 
     Args:
         held_out: may be empty. bodies: the model around the joint.
-        controller: what drove the joint to its target. Others: see `commands.close_loop`.
+        controller: what drove the joint to its target.
+        ends: whether the held-out logs are the ends of the others, no recordings of their own.
+            Others: see `commands.close_loop`.
     Raises:
         FrictionJointError: bad logs, in one line.
     """
@@ -243,6 +247,15 @@ def explain(
         ),
         positions=positions,
     )
+    progress("comparing the recordings")
+    loads = mine if ends else [*mine, *theirs]
+    recordings = zip((*logs, *held_out), loads, strict=False)
+    # the model of the report has the load of the first log
+    alike = [log for log, load in recordings if load is body]
+    if len(alike) < len(loads):
+        note = f"Recordings are compared with each other only under the load of {logs[0].name}."
+        report = replace(report, notes=(*report.notes, note))
+    report = with_recordings(report, alike, body.named_poses)
     before_and_after = (runs[0], runs[1]) if runs else (None, None)
     simulated = best if scaled else found.final
     return Analysis(report, found, simulated, kept_moving, before_and_after)

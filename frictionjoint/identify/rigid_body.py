@@ -127,6 +127,11 @@ class RigidBody:
             return np.zeros(len(position), dtype=bool)
         return np.asarray(beyond >= 0.0)
 
+    @property
+    def named_poses(self) -> dict[str, list[float]]:
+        """Positions of the fixed joints by name."""
+        return {self.model.joint(j).name: pose.tolist() for j, pose in self.poses.items()}
+
     def spec(self) -> mujoco.MjSpec:
         """A new spec of the MJCF, which the caller may change."""
         return read_spec(self.mjcf)

@@ -190,8 +190,7 @@ def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fi
         zip(bodies, prepared.segments, strict=True), key=lambda pair: pair[0]
     ):
         logs = [{one.joint: segment} for _, segment in some]
-        poses = {one.model.joint(j).name: pose for j, pose in one.poses.items()}
-        found += replay_joints(one.spec(), logs, {one.joint: fitted}, poses).errors
+        found += replay_joints(one.spec(), logs, {one.joint: fitted}, one.named_poses).errors
     return Replay(tuple(found), max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments))
 
 
@@ -199,7 +198,7 @@ def replay_joints(
     spec: mujoco.MjSpec,
     logs: Sequence[Mapping[str, Segment]],
     fits: Mapping[str, Fit],
-    poses: Mapping[str, Array],
+    poses: Mapping[str, Sequence[float]],
 ) -> Replay:
     """Simulate the windows of all logs, all joints together.
 
@@ -210,7 +209,7 @@ def replay_joints(
     for joint, fitted in fits.items():
         friction_spec(spec, joint, fitted)
     model = spec.compile()
-    take_pose(model, {model.joint(name).id: pose for name, pose in poses.items()})
+    take_pose(model, {model.joint(name).id: np.array(pose) for name, pose in poses.items()})
     lock(model, *(model.joint(name).id for name in fits), *(deflection(model, n) for n in fits))
     off = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_ACTUATION
     model.opt.disableflags |= int(off)

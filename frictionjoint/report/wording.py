@@ -43,14 +43,6 @@ def percentage(value: float, whole: float) -> str:
     return f"{part:.0f}%" if part >= 9.95 else f"{part:.2g}%"
 
 
-def stated(value: float | None, unit: str, whole: float = math.nan) -> str:
-    """A figure with its unit, and per cent of a whole if that is known."""
-    if value is None:
-        return "not stated"
-    percent = "" if math.isnan(whole) else f" ({percentage(value, whole)})"
-    return f"{three(value)}\u00a0{unit}{percent}"
-
-
 def unit(text: str) -> str:
     """A unit as text."""
     return "none" if text == "1" else text.replace("^2", "²")

@@ -24,7 +24,6 @@ from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.measured.arguments import require_seed
 from frictionjoint.model_files import compile_model, read_spec
 from frictionjoint.model_text import model_text
-from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.replay.free_runs import friction_spec, replay_joints
 from frictionjoint.report.joint_report import Evidence, Report
 from frictionjoint.report.robot_report import (
@@ -90,19 +89,10 @@ def _one_joint(
 ) -> Report:
     """One joint has no causes to share; its logs may have different loads."""
     (joint,) = logs.joints
-    fit, held_out = logs.fit[joint], logs.held_out[joint]
     bodies = Bodies(model, joint, how.fixed)
     known = controller_of(how.controller, joint, bodies.models)
-    found = explain(fit, held_out, bodies, how.seed, how.progress, how.law, known, how.refine)
-    how.progress("comparing the recordings")
-    recordings = [*fit, *([] if logs.ends else held_out)]
-    # the model of the report has the load of the first log
-    loads, report = bodies.of(recordings), found.report
-    alike = [x for x, load in zip(recordings, loads, strict=True) if load is loads[0]]
-    if len(alike) < len(recordings):
-        note = f"Recordings are compared with each other only under the load of {fit[0].name}."
-        report = replace(report, notes=(*report.notes, note))
-    return with_recordings(report, alike, how.fixed)
+    options = how.seed, how.progress, how.law, known, how.refine, logs.ends
+    return explain(logs.fit[joint], logs.held_out[joint], bodies, *options).report
 
 
 @one_thread
@@ -124,6 +114,7 @@ def close_loop_robot(
             *(n, logs.fit[n], logs.held_out[n], user, how.fixed, how.seed, how.law),
             controller=controller_of(how.controller, n, [compiled]),
             refine=how.refine,
+            ends=logs.ends,
         )
         for n in logs.joints
     }
@@ -149,7 +140,7 @@ def close_loop_robot(
     known = information(settled, logs.moving)
     excitation = next_trajectory(settled, logs.moving, known, how.seed)
     how.progress("simulating all joints together")
-    poses = _poses(next(iter(fitted.values())))
+    poses = next(iter(fitted.values())).alongs[0].body.named_poses
     spec = _with_friction(corrected, {n: x.simulated for n, x in done.items()})
     spec.compile()
     reports = {n: x.report for n, x in done.items()}
@@ -237,7 +228,7 @@ def _with_friction(state: State, fits: Mapping[str, Fit]) -> mujoco.MjSpec:
     return spec
 
 
-def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, Array]) -> Rms:
+def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list[float]]) -> Rms:
     """Replay of all joints together, on fitted and held-out logs; none without a torque."""
     if any(x.fit.in_drive_units or x.prepared.commanded for x in joints.values()):
         return Rms(None, None)
@@ -253,11 +244,6 @@ def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, Arra
 
     kept_back = {n: x.kept_back for n, x in joints.items()}
     return Rms(rms({n: x.prepared for n, x in joints.items()}), rms(kept_back))
-
-
-def _poses(joint: FittedJoint) -> dict[str, Array]:
-    body = joint.alongs[0].body
-    return {body.model.joint(j).name: pose for j, pose in body.poses.items()}
 
 
 def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:

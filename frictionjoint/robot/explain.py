@@ -24,7 +24,6 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.measured.log import JointLog
-from frictionjoint.recordings.in_report import with_recordings
 from frictionjoint.replay.free_runs import replay, replay_rms
 from frictionjoint.replay.loops import LoopErrors, Loops
 from frictionjoint.report.joint_report import Interval, Report
@@ -58,7 +57,7 @@ class Task:
         original, corrections: of the user's model and of the corrected one. without: those with all
             but one of the causes that act on this joint, by index.
         shape: of the law fitted with the user's model. controller: for logs without a torque.
-        refine: see `diagnose.close_loop`.
+        refine, ends: see `diagnose.close_loop`.
     """
 
     joint: str
@@ -75,6 +74,7 @@ class Task:
     shape: Shape | None = None
     controller: Controller | None = None
     refine: bool | None = None
+    ends: bool = False
 
 
 @dataclass(frozen=True)
@@ -128,8 +128,9 @@ def _explained(task: Task) -> Explained:
         law=task.law,
         controller=task.controller,
         refine=task.refine,
+        ends=task.ends,
     )
-    trace, report = found.trace, with_recordings(found.report, task.logs, task.fixed)
+    trace, report = found.trace, found.report
     after = Fitted(trace.prepared, found.kept_back, trace.final)
     without: dict[int, Rms] = {}
     before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
