@@ -59,6 +59,10 @@ def test_runs_that_become_unstable_diverge_and_are_not_heard_of(
     prepared = prepare([log()], body)
     fitted = fit(prepared)
     assert not replay(prepared, body, fitted).diverges
+    (segment,) = prepared.segments
+    noted = replace(segment, others={"normal_load": segment.drive})
+    again = replay(replace(prepared, segments=(noted,)), body, fitted)
+    assert again.rms == replay(prepared, body, fitted).rms
     # MuJoCo's own springs are explicit, and this one is far too stiff for the time step
     sprung = RigidBody(JOINT.replace("<joint", '<joint stiffness="1e9"'), "j")
     found = replay(prepared, sprung, fitted)

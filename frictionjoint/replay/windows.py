@@ -59,6 +59,7 @@ class Windows:
         self._others = {
             n: [np.interp(time, grid, others[f"{n}.{kind}"]) for kind in kinds]
             for n in {x.rpartition(".")[0] for x in others} - set(segments)
+            if all(f"{n}.{kind}" in others for kind in kinds)  # others are signals
         }
         self._length = max(2, round(WINDOW_S / self._dt))
         self._substeps = max(1, int(np.ceil(self._dt / _LONGEST_STEP)))
