@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.library import Candidate
 from frictionjoint.effects.signals import TIME
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog

@@ -9,7 +9,7 @@ from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.library import Candidate
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.sight import Sight
 from frictionjoint.effects.catalogue import CATALOGUE

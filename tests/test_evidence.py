@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.library import Candidate
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.moves import look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.effects.catalogue import CATALOGUE

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.library import Candidate
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.moves import Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.trace import _chosen, _Tried

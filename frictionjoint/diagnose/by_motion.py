@@ -16,11 +16,12 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
+from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.library import effect_terms, effects, without_columns
+from frictionjoint.diagnose.library import effect_terms, effects
 from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
 from frictionjoint.identify.blocks import make_blocks

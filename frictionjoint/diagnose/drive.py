@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.chance import FLIPS
-from frictionjoint.diagnose.library import drive_terms, without_columns
+from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.possible import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored

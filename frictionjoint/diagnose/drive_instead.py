@@ -9,11 +9,12 @@ from functools import partial
 
 import numpy as np
 
+from frictionjoint.diagnose.candidate import Candidate, without_columns
 from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
-from frictionjoint.diagnose.library import Candidate, drive_terms, without_columns
+from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
     State,

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from frictionjoint.diagnose.library import comes_first, is_unnamed, named_of
+from frictionjoint.diagnose.candidate import comes_first, is_unnamed, named_of
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, is_small, needed, with_fewer
 from frictionjoint.identify.rounding import best_of

@@ -6,17 +6,12 @@ from functools import partial
 
 import numpy as np
 
+from frictionjoint.diagnose.candidate import Candidate, comes_first, is_unnamed, without_columns
 from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
-from frictionjoint.diagnose.library import (
-    Candidate,
-    comes_first,
-    is_unnamed,
-    other_forms,
-    without_columns,
-)
+from frictionjoint.diagnose.library import other_forms
 from frictionjoint.diagnose.moves import Look, look
 from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.score import Scored, scored

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.decisions import CONCENTRATED
-from frictionjoint.diagnose.library import Candidate
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse, without
 from frictionjoint.identify.blocks import Blocks, Folds, whitened

@@ -1,14 +1,16 @@
 """Candidates that these logs can test: effects, waves in position, unnamed dependences."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.decisions import LEAST_WARMING, SMALLEST_GAIN
+from frictionjoint.diagnose.short_waves import without_curves
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
@@ -25,7 +27,6 @@ from frictionjoint.identify.smooth import (
     VARIABLES,
     HysteresisTerm,
     LogTerm,
-    SmoothTerm,
     SplineTerm,
     quantity,
 )
@@ -42,70 +43,6 @@ _EXCEEDED = (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)
 _ORDERS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
 # samples of a delay where a fit of it starts
 _DELAYS = (-3.0, -1.0, 1.0, 3.0)
-# of a candidate's columns, what may be left by others that hold the same
-_SAME = 1e-3
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A term with its columns on the kept samples.
-
-    Attributes:
-        term: effect with given shape numbers, or an unnamed dependence.
-        columns: after the torque filter, N m per coefficient, shape (n, k).
-        bounds: of each coefficient, N m; none if empty.
-        among: number of lines of the residual's spectrum that it was chosen from.
-        begun: columns of its possible state at the start of each log, shape (n, m); None: no state.
-    """
-
-    term: Term
-    columns: Array
-    bounds: tuple[tuple[float, float], ...] = ()
-    among: float = 1.0
-    begun: Array | None = None
-
-    @property
-    def unnamed(self) -> bool:
-        """Whether it is a dependence without a physical name."""
-        return is_unnamed(self.term)
-
-    @property
-    def comes_first(self) -> bool:
-        """Whether it must be decided before all others."""
-        return comes_first(self.term)
-
-    @property
-    def kind(self) -> tuple[str, str]:
-        """Key that is common to all shapes of one effect."""
-        if isinstance(self.term, EffectTerm):
-            return self.term.name, "effect"
-        return self.term.name, type(self.term).__name__
-
-    def contains(self, other: "Candidate") -> bool:
-        """Whether another candidate is this one with some coefficients fixed."""
-        left = np.linalg.lstsq(self.columns, other.columns, rcond=None)[0]
-        rest = other.columns - self.columns @ left
-        return bool(np.linalg.norm(rest) < _SAME * np.linalg.norm(other.columns))
-
-
-def without_columns(term: Term) -> Candidate:
-    """A term as a candidate that is fitted, not screened by columns."""
-    return Candidate(term, np.zeros((0, 0)))
-
-
-def is_unnamed(term: Term) -> bool:
-    """Whether a term is a dependence without a physical name."""
-    return isinstance(term, SmoothTerm)
-
-
-def named_of(terms: tuple[Term, ...]) -> tuple[Term, ...]:
-    """Terms with a physical name."""
-    return tuple(t for t in terms if not is_unnamed(t))
-
-
-def comes_first(term: Term) -> bool:
-    """Whether a term must be decided before all others."""
-    return isinstance(term, EffectTerm) and term.effect.first
 
 
 def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
@@ -114,7 +51,7 @@ def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     grid = _of_known_size(prepared, fitted, effect_terms(prepared, signals, fitted.terms))
     grid += unnamed_terms(prepared, fitted, signals)
     waves = periodic_terms(prepared, signals, fitted, blocks), wave_terms(prepared, fitted)
-    found = _with_waves(prepared, fitted, signals, grid, waves)
+    found = _with_waves(prepared, fitted, signals, blocks, grid, waves)
     return _beyond_itself(prepared, fitted, signals, found)
 
 
@@ -154,7 +91,7 @@ def effects(
     signals = signals_of(prepared, fitted)
     grid = _of_known_size(prepared, fitted, effect_terms(prepared, signals, fitted.terms, wanted))
     waves = periodic_terms(prepared, signals, fitted, blocks, wanted)
-    return _with_waves(prepared, fitted, signals, grid, [waves])
+    return _with_waves(prepared, fitted, signals, blocks, grid, [waves])
 
 
 def _of_known_size(prepared: Prepared, fitted: Fit, terms: list[Term]) -> list[Term]:
@@ -171,6 +108,7 @@ def _with_waves(
     prepared: Prepared,
     fitted: Fit,
     signals: list[Array],
+    blocks: Blocks,
     grid: list[Term],
     waves: Iterable[tuple[list[Term], float]],
 ) -> list[Candidate]:
@@ -180,7 +118,10 @@ def _with_waves(
     for found, lines in waves:
         terms += found
         among += [lines] * len(found)
-    return _candidates(prepared, fitted, signals, terms, among)
+    made = _candidates(prepared, fitted, signals, terms, among)
+    curves = _curves(prepared, signals, "position")
+    beside = _candidates(prepared, fitted, signals, curves, [1.0] * len(curves))
+    return without_curves(prepared, fitted, blocks, made, beside)
 
 
 def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
@@ -300,17 +241,7 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
     """
     terms: list[Term] = []
     for variable in [*VARIABLES, *prepared.segments[0].others]:
-        try:
-            x = np.concatenate(
-                [quantity(s, g, variable) for s, g in zip(prepared.segments, signals, strict=True)]
-            )
-        except KeyError:
-            continue  # another joint that only some logs have
-        if not _varies(x, LEAST_WARMING * (VARIABLES.get(variable) == TEMP)):
-            continue
-        low, high = (float(v) for v in np.quantile(x, (0.005, 0.995)))
-        pair = [SplineTerm(variable, low, high, odd) for odd in (False, True)]
-        terms += [curve.centred(prepared.segments, signals) for curve in pair]
+        terms += _curves(prepared, signals, variable)
     span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
     terms.append(HysteresisTerm("position", tuple(span * part for part in _REACHES)))
     if prepared.drive == "torque" and not prepared.commanded:
@@ -332,3 +263,18 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
     if len(names) > 1:
         terms.append(LogTerm("log", names))
     return terms
+
+
+def _curves(prepared: Prepared, signals: list[Array], variable: str) -> list[Term]:
+    """Splines in a quantity that varies, alone and times the direction of friction."""
+    try:
+        x = np.concatenate(
+            [quantity(s, g, variable) for s, g in zip(prepared.segments, signals, strict=True)]
+        )
+    except KeyError:
+        return []  # another joint that only some logs have
+    if not _varies(x, LEAST_WARMING * (VARIABLES.get(variable) == TEMP)):
+        return []
+    low, high = (float(v) for v in np.quantile(x, (0.005, 0.995)))
+    pair = [SplineTerm(variable, low, high, odd) for odd in (False, True)]
+    return [curve.centred(prepared.segments, signals) for curve in pair]

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.chance import p_values
 from frictionjoint.diagnose.gram import Columns, Screen, screen
-from frictionjoint.diagnose.library import Candidate
 from frictionjoint.identify.blocks import Blocks, halves
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import EQUAL, first_least, in_order

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.library import named_of
 from frictionjoint.diagnose.nearest import (
     Replayed,
     drop_what_moves_worse,

@@ -20,11 +20,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from frictionjoint.diagnose.candidate import comes_first
 from frictionjoint.diagnose.decisions import MOSTLY, TIE
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.library import comes_first
 from frictionjoint.diagnose.moves import Look, Looked, look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (

@@ -13,7 +13,7 @@ from frictionjoint.effects.signals import LOAD, TIME, A, H, Q, V
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.search import FEWEST_WAVES
+from frictionjoint.identify.search import FEWEST_WAVES, HALF_A_WAVE
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import WaveTerm
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -133,7 +133,7 @@ def periodic_terms(
     bins = np.minimum((_POSITION_BINS * (q - q.min()) / span).astype(int), _POSITION_BINS - 1)
     # periods are counted over where the joint mostly is: a few excursions must not make a slow
     # wave out of a smooth curve
-    first, last = int(2 * FEWEST_WAVES * span / prepared.usual_travel), _POSITION_BINS // 4
+    first, last = int(2 * HALF_A_WAVE * span / prepared.usual_travel), _POSITION_BINS // 4
     fold = blocks.fold[blocks.of_sample]
     found: list[Term] = []
     for effect in harmonics:

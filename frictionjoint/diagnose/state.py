@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.decisions import (
     APART,
     DISCREPANCY,
@@ -11,7 +12,7 @@ from frictionjoint.diagnose.decisions import (
     TIE,
 )
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.library import Candidate, library
+from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.score import Scored

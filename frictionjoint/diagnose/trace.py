@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.decisions import (
     APART,
     SIGNIFICANCE,
@@ -28,7 +29,6 @@ from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_bent, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.library import Candidate
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.nearest import Replayed
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like

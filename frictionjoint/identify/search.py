@@ -39,9 +39,9 @@ CLOSE, ROUGH = 1e-6, 1e-3
 _HARDLY = 1e-9
 # highest resonance that still shows in the band of the balance, over its corner
 HEARD = 2.0
-# waves that the usual range of positions, or the longest log, must hold for one to be sought: fewer
-# are any curve. A fit may move it by half a wave, which is the width of a line of the spectrum.
-FEWEST_WAVES, _LINE = 1.5, 0.5
+# waves in the usual range of positions, or the longest log: fewer are nearly any curve. A fit may
+# move a wave by half of one, which is the width of a line of the spectrum.
+FEWEST_WAVES, HALF_A_WAVE = 1.5, 0.5
 
 
 def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
@@ -215,8 +215,10 @@ class Search:
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
             if term.effect.proposed_by == "spectrum":
-                fewest = 2.0 * math.pi * (FEWEST_WAVES - _LINE) / self.prepared.usual_travel
-                limits[0] = min(fewest, term.free_shape[0]), limits[0][1]
+                wave = 2.0 * math.pi / self.prepared.usual_travel
+                least = (FEWEST_WAVES - HALF_A_WAVE) * wave
+                short = term.free_shape[0] < least
+                limits[0] = HALF_A_WAVE * wave if short else least, limits[0][1]
             top = HEARD * self.prepared.band.balance
             for i, unit in enumerate(term.effect.shape_units[: len(limits)]):
                 if unit == "Hz":
