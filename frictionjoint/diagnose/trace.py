@@ -104,10 +104,11 @@ def trace(
     state = State(prepared, alone, [], Look((), np.zeros(0), 0.0), laws)
     _follow(state)
     bent = False
+    known = {_names(state)}
     for change in range(1, _MOST_CHANGES + 1):
         progress(f"looking for missing effect {change}")
         state.law_errs = True
-        left = state.fit.drive_rms
+        before, left = _names(state), state.fit.drive_rms
         taken = _step(state, rng)
         if taken:
             progress(f"missing effect {change}: {', '.join(taken)}")
@@ -116,15 +117,25 @@ def trace(
         if bent and not (taken and _early(state)):
             laws.ripen(state.prepared, state.fit.effects)
             bent = False
-        if _follow(state) or taken or exchange_bent(state) or exchange_drive(state, rng):
-            continue
-        if exchange_for_drive(state, rng):
-            continue
-        # what another law would explain as well may be an effect after all
-        state.law_errs = False
-        if not (_of_joint(state, rng) or _of_drive(state, rng, look_at_hidden_drive)):
-            break
+        changed = (
+            _follow(state)
+            or taken
+            or exchange_bent(state)
+            or exchange_drive(state, rng)
+            or exchange_for_drive(state, rng)
+        )
+        if not changed:
+            # what another law would explain as well may be an effect after all
+            state.law_errs = False
+            changed = _of_joint(state, rng) or _of_drive(state, rng, look_at_hidden_drive)
+        if not changed or (_names(state) != before and _names(state) in known):
+            break  # effects that come back would do so without end
+        known.add(_names(state))
     return finish_search(state, (prepared, alone), replayed, by_motion, rng)
+
+
+def _names(state: State) -> tuple[str, ...]:
+    return tuple(sorted(t.name for t in state.fit.effects))
 
 
 def _step(state: State, rng: np.random.Generator) -> list[str]:
