@@ -215,10 +215,9 @@ class Search:
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
             if term.effect.proposed_by == "spectrum":
-                wave = 2.0 * math.pi / self.prepared.usual_travel
+                wave, now = 2.0 * math.pi / self.prepared.usual_travel, term.free_shape[0]
                 least = (FEWEST_WAVES - HALF_A_WAVE) * wave
-                short = term.free_shape[0] < least
-                limits[0] = HALF_A_WAVE * wave if short else least, limits[0][1]
+                limits[0] = min(now, HALF_A_WAVE * wave) if now < least else least, limits[0][1]
             top = HEARD * self.prepared.band.balance
             for i, unit in enumerate(term.effect.shape_units[: len(limits)]):
                 if unit == "Hz":
