@@ -8,8 +8,8 @@ from law_shapes import law_at
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.by_motion import named_by_motion
-from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.candidate import Candidate
+from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.sight import Sight
 from frictionjoint.effects.catalogue import CATALOGUE
