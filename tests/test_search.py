@@ -61,6 +61,16 @@ def test_what_is_there_is_found_alone_with_its_size(effects, expected, tmp_path)
         assert values[number] == pytest.approx(value, rel=tolerance)
 
 
+def test_a_wave_as_long_as_the_travel_is_named_where_it_predicts_more_than_a_curve(tmp_path):
+    wave = Effect("position-periodic", {"amplitude": 0.15, "cycles": 4.0, "phase": 0.4})
+    found = traced(tmp_path, wave)
+    assert found.prepared.span * 4.0 < 2.0 * np.pi  # not one wave in the longest log
+    (step,) = found.findings
+    assert step.term.name == "position-periodic"
+    assert step.term.free_shape[0] == pytest.approx(4.0, rel=0.05)
+    assert found.final.rms_in_motion < 0.05 * found.base.rms_in_motion
+
+
 @pytest.mark.parametrize("friction", ["elasto-plastic", "gms"])
 def test_where_nothing_is_missing_nothing_is_added(friction, tmp_path):
     nothing_is_missing(traced(tmp_path, friction=replace(PLANT.friction, law=friction)))

@@ -22,8 +22,9 @@ from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.blocks import halves, make_blocks
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.open_times import timed
 from frictionjoint.identify.rounding import first_least, in_order
-from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit, timed
+from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import COARSE
 from frictionjoint.identify.terms import EffectTerm, Term, all_but, in_place

@@ -11,15 +11,13 @@ residual sum of squares, and if chance hardly does as much over the whole family
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
 from frictionjoint.diagnose.candidate import Candidate
+from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, rivals_of
 from frictionjoint.diagnose.decisions import (
     APART,
-    SIGNIFICANCE,
     SMALLEST_GAIN,
     TIE,
 )
@@ -36,17 +34,13 @@ from frictionjoint.diagnose.outcome import finish_search
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     State,
-    apart,
     compared,
     is_small,
-    needed,
-    numbers_of,
 )
 from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, unbent
 from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import CLOSE, ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
@@ -60,19 +54,6 @@ from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
 _MOST_CHANGES = 12
-
-
-class _Tried(NamedTuple):
-    """A change, the logs as weighted for its fit, and its score."""
-
-    move: Move
-    prepared: Prepared
-    score: Scored
-
-
-class _Choice(NamedTuple):
-    taken: _Tried
-    ties: tuple[str, ...] = ()
 
 
 @one_thread
@@ -237,21 +218,21 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     state.look = seen
     now = scored(current, blocks)
 
-    def attempt(move: Move) -> _Tried:
+    def attempt(move: Move) -> Tried:
         own, found = _compared(prepared, current, move)
-        return _Tried(move, own, scored(found, blocks))
+        return Tried(move, own, scored(found, blocks))
 
     moves = Moves(current, seen, screened, candidates).best()
     with side_by_side() as each:
-        tried = list(each(attempt, [m for m in moves if _beyond_chance(m, seen)]))
-    choice = _chosen(now, tried)
+        tried = list(each(attempt, [m for m in moves if beyond_chance(m, seen)]))
+    choice = chosen(now, tried)
     if not choice or choice.taken.move.unnamed:
         # before the search ends or accepts an unnamed term: could a biased law mask an effect?
         tried += _unbent(state, now, blocks)
-        choice = _chosen(now, tried)
+        choice = chosen(now, tried)
     if choice:
         now, tried = _looked_at_again(state, now, tried, choice.taken)
-        choice = _chosen(now, tried)
+        choice = chosen(now, tried)
     while choice:
         changed = _changed(state, choice, tried, now)
         names = _more(changed.fit, state.fit, choice.taken.move)
@@ -265,17 +246,17 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
             return names
         # nothing of it was needed once it was in: the next best
         tried = [t for t in tried if t is not choice.taken]
-        choice = _chosen(now, tried)
+        choice = chosen(now, tried)
     return []
 
 
-def _unbent(state: State, now: Scored, blocks: Blocks) -> list[_Tried]:
+def _unbent(state: State, now: Scored, blocks: Blocks) -> list[Tried]:
     """Effects whose absence may bias a law, fitted jointly with laws from all starts."""
     prepared = state.prepared
     found = []
     for move, laws in candidates_to_refit_jointly(now, state.look, prepared, state.laws):
         own, fitted = settled(prepared, unbent(prepared, move.terms, laws))
-        found.append(_Tried(move, own, scored(fitted, blocks)))
+        found.append(Tried(move, own, scored(fitted, blocks)))
     return found
 
 
@@ -291,7 +272,7 @@ def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, F
     return (prepared, found) if begun is prepared else settled(begun, found)
 
 
-def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored) -> State:
+def _changed(state: State, choice: Choice, tried: Sequence[Tried], now: Scored) -> State:
     """The model after a change, without effects that became redundant."""
     taken, seen = choice.taken, state.look
     prepared, fitted = settled(*reweighed(taken.prepared, taken.score.fit))
@@ -303,7 +284,7 @@ def _changed(state: State, choice: _Choice, tried: Sequence[_Tried], now: Scored
             row=seen.find(candidate),
             gain=min(gain, seen.gain(seen.find(candidate))) if gain > 0 else gain,
             ties=choice.ties,
-            rivals=_rivals(taken, tried, now),
+            rivals=rivals_of(taken, tried, now),
             fit=fitted,
         )
         for candidate in taken.move.added
@@ -320,8 +301,8 @@ def _more(after: Fit, before: Fit, move: Move) -> list[str]:
 
 
 def _looked_at_again(
-    state: State, now: Scored, tried: Sequence[_Tried], best: _Tried
-) -> tuple[Scored, list[_Tried]]:
+    state: State, now: Scored, tried: Sequence[Tried], best: Tried
+) -> tuple[Scored, list[Tried]]:
     """The leading changes, screened again with the weights of the best one and with an unbiased
     law.
 
@@ -350,75 +331,7 @@ def _looked_at_again(
         several = len(leaders) > 1
         bent = [several and all(bends(c.term) for c in t.move.added) for t in leaders]
         (_, before), *changes = list(each(begun, models, [False, *bent]))
-    return before, [_Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
-
-
-def _chosen(now: Scored, tried: Sequence[_Tried]) -> _Choice | None:
-    """The best justified change, and the effects it is tied with."""
-    good = [t for t in tried if needed(t.score, now, all(c.comes_first for c in t.move.added))]
-    named = [t for t in good if not t.move.unnamed]
-    singles = [t for t in named if len(t.move.added) == 1]
-    best = _least(singles)
-    pair = _least([t for t in named if len(t.move.added) > 1])
-    if pair and (not best or _clearly(pair, best)):
-        best = pair
-    unnamed = _least([t for t in good if t.move.unnamed])
-    # a curve, which bends with the data, does not take the place of an effect that explains hardly
-    # less: it may come in beside that
-    if unnamed and (not best or _much_before(unnamed, best, now)):
-        return _Choice(unnamed)
-    if not best:
-        return None
-    if best is pair:
-        return _Choice(best)
-    gain = best.score.gain(now)
-    near = [
-        t
-        for t in singles
-        if len(t.move.terms) == len(best.move.terms)
-        and not apart(best.score, t.score)
-        and t.score.gain(now) >= (1.0 - TIE) * gain
-    ]
-    fewest = min(numbers_of(t.move.added[0].term) for t in near)
-    simplest = best_of([t for t in near if numbers_of(t.move.added[0].term) == fewest], _total)
-    (own,) = simplest.move.added
-    others = (t.move.added[0] for t in near if t.move.added[0].term.name != own.term.name)
-    ties = [other.term.name for other in others if not other.contains(own)]
-    return _Choice(simplest, tuple(ties))
-
-
-def _beyond_chance(move: Move, seen: Look) -> bool:
-    """Whether chance hardly explains as much, over the whole family of candidates.
-
-    Effects that are certain to exist are tested only for size.
-    """
-    asked = [seen.find(c).p_value for c in move.added if not c.comes_first]
-    return min(asked, default=0.0) <= SIGNIFICANCE
-
-
-def _clearly(one: _Tried, other: _Tried) -> bool:
-    """Whether adding one effect to a model with another effect explains enough to accept it."""
-    return one.score.better(other.score) and one.score.gain(other.score) >= SMALLEST_GAIN
-
-
-def _much_before(unnamed: _Tried, best: _Tried, now: Scored) -> bool:
-    """Whether an unnamed dependence explains so much that the best effect is only a part of it."""
-    enough = (1.0 - TIE) * unnamed.score.gain(now)
-    # an error of the encoder is a wave, not a curve that bends with the data
-    wave = isinstance(unnamed.move.added[0].term, EncoderTerm)
-    clearly = unnamed.score.better if wave else partial(needed, unnamed.score)
-    return clearly(best.score) and best.score.gain(now) < enough
-
-
-def _rivals(taken: _Tried, tried: Sequence[_Tried], now: Scored) -> tuple[Term, ...]:
-    """Other effects that explain nearly as much."""
-    least = (1.0 - TIE) * taken.score.gain(now)
-    return tuple(
-        t.move.added[0].term
-        for t in tried
-        if t is not taken and len(t.move.added) == 1 and not t.move.unnamed
-        if t.score.gain(now) >= least
-    )
+    return before, [Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
 
 
 def _follow(state: State) -> bool:
@@ -436,11 +349,3 @@ def _follow(state: State) -> bool:
     drop_idle(state)
     state.forget_dropped()
     return True
-
-
-def _least(tried: Sequence[_Tried]) -> _Tried | None:
-    return best_of(tried, _total) if tried else None
-
-
-def _total(tried: _Tried) -> float:
-    return tried.score.total

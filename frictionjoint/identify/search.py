@@ -21,13 +21,13 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
 from frictionjoint.identify.motor_torque import solutions
+from frictionjoint.identify.open_times import timed
 from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of, first_least
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, leaps
-from frictionjoint.identify.timing import DampingAge, DriveTiming, TargetTiming, Timing, VelocityAge
 from frictionjoint.threads import one_thread
 
 # fraction of a range within which a search has arrived at the range's end
@@ -49,44 +49,9 @@ def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
     return term.limits or ((-np.inf, np.inf),) * len(term.free_shape)
 
 
-def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term, ...]:
-    """The terms, and the sub-sample time offsets that the logs leave open.
-
-    They are: the time of a measured drive relative to its position, or of a command relative to its
-    target, unless an effect states it, because channels are read one after the other. For a target
-    with a delay of its own, the offset is that of the controller's tick. The age of a velocity, in
-    a controller's damping or in a simulation, is assumed to be zero while an inertia or a gain
-    is searched for: logs cannot distinguish them.
-    """
-    if any(isinstance(t, Timing) for t in terms):
-        return terms
-    sample = min(s.sample for s in prepared.segments)
-    found: list[Timing] = []
-    if not any(map(_delays, terms)):
-        of_target = prepared.commanded and not any(_delays_target(t) for t in terms)
-        found.append(TargetTiming(sample) if of_target else DriveTiming(sample))
-    if (prepared.damped or law.steps) and not any(_holds_inertia(t) for t in terms):
-        found.append(VelocityAge(sample) if prepared.damped else DampingAge(sample))
-    return (*terms, *(t for t in found if t.name not in prepared.nothing))
-
-
 def _ends(layout: Layout, k: int) -> tuple[int, int]:
     at = layout.numbers(k)
     return at.start, at.stop
-
-
-def _holds_inertia(term: Term) -> bool:
-    if not isinstance(term, EffectTerm):
-        return False
-    return term.effect.is_inertia or term.effect.of_inertia or term.effect.scales
-
-
-def _delays(term: Term) -> bool:
-    return isinstance(term, EffectTerm) and term.effect.delays
-
-
-def _delays_target(term: Term) -> bool:
-    return isinstance(term, EffectTerm) and term.effect.delays_target
 
 
 @one_thread

@@ -1,0 +1,105 @@
+"""Which of several changes of a model is taken, and which effects tie with it."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import NamedTuple
+
+from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
+from frictionjoint.diagnose.moves import Look, Move
+from frictionjoint.diagnose.score import Scored
+from frictionjoint.diagnose.state import apart, needed, numbers_of
+from frictionjoint.identify.instruments import EncoderTerm
+from frictionjoint.identify.rounding import best_of
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.terms import Term
+
+
+class Tried(NamedTuple):
+    """A change, the logs as weighted for its fit, and its score."""
+
+    move: Move
+    prepared: Prepared
+    score: Scored
+
+
+class Choice(NamedTuple):
+    """The change that is taken, and names of effects that explain as much."""
+
+    taken: Tried
+    ties: tuple[str, ...] = ()
+
+
+def chosen(now: Scored, tried: Sequence[Tried]) -> Choice | None:
+    """The best justified change, and the effects it is tied with."""
+    good = [t for t in tried if needed(t.score, now, all(c.comes_first for c in t.move.added))]
+    named = [t for t in good if not t.move.unnamed]
+    singles = [t for t in named if len(t.move.added) == 1]
+    best = _least(singles)
+    pair = _least([t for t in named if len(t.move.added) > 1])
+    if pair and (not best or _clearly(pair, best)):
+        best = pair
+    unnamed = _least([t for t in good if t.move.unnamed])
+    # a curve, which bends with the data, does not take the place of an effect that explains hardly
+    # less: it may come in beside that
+    if unnamed and (not best or _much_before(unnamed, best, now)):
+        return Choice(unnamed)
+    if not best:
+        return None
+    if best is pair:
+        return Choice(best)
+    gain = best.score.gain(now)
+    near = [
+        t
+        for t in singles
+        if len(t.move.terms) == len(best.move.terms)
+        and not apart(best.score, t.score)
+        and t.score.gain(now) >= (1.0 - TIE) * gain
+    ]
+    fewest = min(numbers_of(t.move.added[0].term) for t in near)
+    simplest = best_of([t for t in near if numbers_of(t.move.added[0].term) == fewest], _total)
+    (own,) = simplest.move.added
+    others = (t.move.added[0] for t in near if t.move.added[0].term.name != own.term.name)
+    ties = [other.term.name for other in others if not other.contains(own)]
+    return Choice(simplest, tuple(ties))
+
+
+def beyond_chance(move: Move, seen: Look) -> bool:
+    """Whether chance hardly explains as much, over the whole family of candidates.
+
+    Effects that are certain to exist are tested only for size.
+    """
+    asked = [seen.find(c).p_value for c in move.added if not c.comes_first]
+    return min(asked, default=0.0) <= SIGNIFICANCE
+
+
+def _clearly(one: Tried, other: Tried) -> bool:
+    """Whether adding one effect to a model with another effect explains enough to accept it."""
+    return one.score.better(other.score) and one.score.gain(other.score) >= SMALLEST_GAIN
+
+
+def _much_before(unnamed: Tried, best: Tried, now: Scored) -> bool:
+    """Whether an unnamed dependence explains so much that the best effect is only a part of it."""
+    enough = (1.0 - TIE) * unnamed.score.gain(now)
+    # an error of the encoder is a wave, not a curve that bends with the data
+    wave = isinstance(unnamed.move.added[0].term, EncoderTerm)
+    clearly = unnamed.score.better if wave else partial(needed, unnamed.score)
+    return clearly(best.score) and best.score.gain(now) < enough
+
+
+def rivals_of(taken: Tried, tried: Sequence[Tried], now: Scored) -> tuple[Term, ...]:
+    """Other effects that explain nearly as much."""
+    least = (1.0 - TIE) * taken.score.gain(now)
+    return tuple(
+        t.move.added[0].term
+        for t in tried
+        if t is not taken and len(t.move.added) == 1 and not t.move.unnamed
+        if t.score.gain(now) >= least
+    )
+
+
+def _least(tried: Sequence[Tried]) -> Tried | None:
+    return best_of(tried, _total) if tried else None
+
+
+def _total(tried: Tried) -> float:
+    return tried.score.total
