@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from arms.arm import (
     geared,
@@ -13,32 +12,24 @@ from arms.arm import (
     hide_supply,
     random_arm,
 )
-from law_shapes import law_at
 from plants.spec import Effect
 from round_trip_drive import DRIVES, drive_trip
 from round_trip_joint import joint_trip
-from servo_plant import KNOWN, KT, PLANT, logs, servo, sines, steps, swept
+from servo_plant import KNOWN, KT, PLANT, servo, sines, steps, swept
 from trial_logs import PENDULUM
 
+from frictionjoint import close_loop
 from frictionjoint.diagnose.close_loop import explain
-from frictionjoint.diagnose.exchange import exchange_drive
-from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.other_laws import OtherLaws
-from frictionjoint.diagnose.state import State
 from frictionjoint.diagnose.trace import trace
-from frictionjoint.effects import duty_drop
-from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.search import ROUGH, refit
-from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.replay.free_runs import motor_of, simulated_whole
+from tests import test_joint_limits as at_limit
 from tests import test_motor_temperature as warm
 from tests.leg import BELIEVED, CONTROLLER, MODEL, leg
-from tests.test_drive_effects import EMF_TERM, looked_at
 from tests.test_search import named_by_its_quantity, traced
 from tests.test_shared_causes import found_in, heavier_link_and_rotor, values
 from tests.test_wrong_mass import joint as lone_joint
@@ -187,30 +178,19 @@ def test_a_shaft_whose_friction_rises_and_falls_with_the_motors_turn_has_its_wav
     assert shaft["level"] == pytest.approx(arm.hidden["gear-coupling"][2], rel=0.1)
 
 
-def test_a_protection_watches_what_the_rest_of_the_model_says_it_does():
-    """Two forms of one effect, of which a law bent for want of a spring may take the wrong one."""
-    friction = 'frictionloss="0.06" damping="0.03" stiffness="1.2" springref="0.4"'
-    made = logs({"threshold": 0.35, "left": 0.3}, friction=friction)
-    _, _, prepared, _, driven = looked_at(made)
-    assert driven is not None
-    spring = EffectTerm(next(e for e in CATALOGUE if e.name == "spring"))
-    output = DriveTerm(duty_drop.OF_OUTPUT, (0.5, 0.4))
-    law = law_at(INTEGRATED[0], 0.1, 0.002)
-    wrong = refit(prepared, (EMF_TERM, output, spring), law, ROUGH)
-    laws = OtherLaws(prepared, wrong)
-    row = next(r for r in driven.look.rows if r.name == output.name)
-    finding = Finding(output, driven.look, row, 0.5, (), (), wrong)
-    state = State(prepared, wrong, [finding], driven.look, laws, law_errs=False)
-    rng = np.random.default_rng(0)
-    assert exchange_drive(state, rng)
-    protection = state.fit.effects[1]
-    assert protection.effect is duty_drop.EFFECT
-    assert protection.shape == pytest.approx((0.35, 0.3), rel=0.05)
-    assert state.fit.drive_rms < 0.7 * wrong.drive_rms
-    # and what is right stays
-    assert not exchange_drive(state, rng)
-    assert state.fit.effects[1].effect is duty_drop.EFFECT
-    assert state.fit.effects[1].shape == pytest.approx((0.35, 0.3), rel=0.05)
+@pytest.mark.xfail(
+    reason="with the integrated law as the only law no effect is named here: a known regression"
+)
+def test_a_limit_that_the_model_lacks_is_an_end_stop_and_no_drive_that_saturates():
+    true = at_limit.TRUE.replace(
+        at_limit.RANGE.format(-at_limit.LIMIT, at_limit.LIMIT), at_limit.RANGE.format(-5.0, 0.4)
+    )
+    fit, kept = (at_limit.pressed(seed, true) for seed in (1, 3))
+    report = close_loop([fit], at_limit.MODEL.format(""), "j", [kept])
+    # MuJoCo's limit brakes as well: more may be named beside it, and it begins to act a bit early
+    assert report.added[0].effect == "end-stop"
+    assert report.added[0].parameters["position"].value == pytest.approx(0.4, abs=0.02)
+    assert not [note for note in report.notes if "saturates" in note]
 
 
 def test_a_motor_that_gives_less_as_it_warms_is_named_with_its_size():
