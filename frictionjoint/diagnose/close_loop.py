@@ -9,6 +9,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller, unknown_notes
 from frictionjoint.control.reconstruct import check_drive
+from frictionjoint.diagnose import report_parts as parts
 from frictionjoint.diagnose.advice import what_to_record
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
@@ -16,19 +17,6 @@ from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.kept_back import prepare_kept_back
 from frictionjoint.diagnose.notes import DIVERGES, REFINED, gain_note, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
-from frictionjoint.diagnose.report_parts import (
-    added,
-    curves,
-    followed_positions,
-    forms,
-    intervals,
-    rankings,
-    replay_intervals,
-    rivals,
-    simulated_positions,
-    ties,
-    torque_rms,
-)
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.identify.bodies import Bodies
@@ -58,11 +46,11 @@ from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import found_controller
 from frictionjoint.replay.free_runs import (
     Replay,
+    friction_of,
     friction_spec,
     replay,
     replay_rms,
     replayed_whole,
-    simulated_effects,
     simulated_whole,
 )
 from frictionjoint.replay.loops import Loops
@@ -178,7 +166,7 @@ def explain(
     if closed:  # the target drives the joint, as it will where the model is used
         after_it = (refined.loops if refined and refined.taken else None) or closed[1]
         runs = [loop.replays for loop in (closed[0], after_it)]
-        positions = followed_positions(closed[0], after_it)
+        positions = parts.followed_positions(closed[0], after_it)
     else:
         runs = [
             (replay(on, mine, f), replay(kept, theirs, f) if kept else None)
@@ -188,22 +176,22 @@ def explain(
             )
             if scaled
         ]
-        positions = simulated_positions(moving, kept_as_fitted, runs)
+        positions = parts.simulated_positions(moving, kept_as_fitted, runs)
     before, after = [replay_rms(*run) for run in runs] or _NO_REPLAY
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     gain = found.final.scale
-    torque = [torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
+    torque = [parts.torque_rms(moving, kept_moving, f, gain) for f in (found.base, found.final)]
     entries = [LogEntry.of(log, "fit") for log in logs]
     entries += [LogEntry.of(log, "held-out") for log in held_out]
-    unexplained = found.unexplained
-    floor = noise_floor(moving, found.final.gain)
     final = law_estimates(found.final, cov, body.slide)
-    open_questions = what_to_record(ties(found), forms(found), unexplained, final, bool(held_out))
+    open_questions = what_to_record(
+        parts.ties(found), parts.forms(found), found.unexplained, final, bool(held_out)
+    )
     progress("choosing what to record next")
     computed: Sequence[str] = ()
     if scaled:  # else no motion says which torque it asks of the drive
         planner = Planner(moving, found.final, body)
-        computed = computed_proposals(planner, rivals(found), cov, final)
+        computed = computed_proposals(planner, parts.rivals(found), cov, final)
     report = Report(
         joint=joint,
         slide=body.slide,
@@ -213,22 +201,22 @@ def explain(
         final=final,
         before_torque=torque[0],
         before_replay=before,
-        added=added(found, cov, moving, kept_moving),
+        added=parts.added(found, cov, moving, kept_moving),
         after_torque=torque[1],
         after_replay=after,
-        torque_interval=intervals(kept_moving or moving, found),
-        replay_interval=replay_intervals(runs),
+        torque_interval=parts.intervals(kept_moving or moving, found),
+        replay_interval=parts.replay_intervals(runs),
         measured_rms=found.final.target_rms,
         reconstructed=fitted_on.commanded,
         bandwidth_hz=fitted_on.band.balance,
-        noise_floor=floor,
-        unexplained=unexplained,
+        noise_floor=noise_floor(moving, found.final.gain),
+        unexplained=found.unexplained,
         verdict=verdict(found, (torque[0], before), (torque[1], after), diverges),
         mjcf=model_text(spec, body.mjcf),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(found.base), law_parameters(found.final)),
-        curves=curves(moving, kept_moving, found),
-        rankings=rankings(found),
+        curves=parts.curves(moving, kept_moving, found),
+        rankings=parts.rankings(found),
         thresholds={"gain": SMALLEST_GAIN, "p_value": SIGNIFICANCE},
         proposals=(*open_questions, *computed),
         notes=(
@@ -242,9 +230,7 @@ def explain(
         refined=refined,
         posterior=_posterior(moving, found.final, cov, body, outcome) if scaled else None,
         controller=found_controller(controller, best, scaled) if controller else None,
-        carried=(
-            JointFriction(law_parameters(best), tuple(simulated_effects(best))) if scaled else None
-        ),
+        carried=friction_of(best) if scaled else None,
         positions=positions,
     )
     progress("comparing the recordings")
@@ -272,7 +258,6 @@ def _posterior(
 
     def made(x: Array) -> JointFriction:
         # what the logs hardly tell may lie far outside of what is possible
-        one = vector.fit(np.clip(x, vector.low, vector.high))
-        return JointFriction(law_parameters(one), tuple(simulated_effects(one)))
+        return friction_of(vector.fit(np.clip(x, vector.low, vector.high)))
 
     return Posterior.of(values, spread, made, vector.has_gain)

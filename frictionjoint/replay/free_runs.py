@@ -17,7 +17,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, changed_drive
-from frictionjoint.joint_friction import SimulatedEffect
+from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.replay.windows import Windows
 from frictionjoint.simulate.assumption_text import ASSUMED, remove_assumed
@@ -90,6 +90,11 @@ def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
             values = tuple(float(x) for x in fitted.term_coefficients(i))
             found.append(SimulatedEffect(term.effect, term.shape, values))
     return found
+
+
+def friction_of(fitted: Fit) -> JointFriction:
+    """Law and effects of a fit, in the form in which a model contains them."""
+    return JointFriction(law_parameters(fitted), tuple(simulated_effects(fitted)))
 
 
 def motor_of(fitted: Fit) -> Motor | None:
