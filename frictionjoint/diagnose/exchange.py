@@ -7,13 +7,11 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.diagnose.candidate import Candidate, comes_first, is_unnamed, without_columns
-from frictionjoint.diagnose.decisions import DISCREPANCY
 from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import other_forms
 from frictionjoint.diagnose.moves import Look, look
-from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     ALTERNATIVES,
@@ -26,12 +24,10 @@ from frictionjoint.diagnose.state import (
     numbers_of,
     without,
 )
-from frictionjoint.diagnose.unbent import bends, unbent
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import in_order
-from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import DriveTerm, Term, in_place
 from frictionjoint.identify.weights import reweighed
 
@@ -132,42 +128,6 @@ def settle_ties(state: State) -> None:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
         elif any(best.term.name in f.ties for f in state.findings if f.term.name == own[i].name):
             _take(state, own[i], partial(_first_of_tie, candidate=best), other)
-
-
-def exchange_bent(state: State) -> bool:
-    """Try other effects in place of each effect that biases the law, with the law fitted again.
-
-    The law was fitted together with the first effect, and may have adapted to it.
-
-    Returns:
-        whether another effect explains clearly more.
-    """
-    own = state.fit.effects
-    for i, term in enumerate(own):
-        if not bends(term):
-            continue
-        blocks = state.blocks
-        now = scored(state.fit, blocks)
-        if now.above_noise < DISCREPANCY:
-            return False
-        others = [c for c in _no_richer(state, term) if bends(c.term)]
-        best: dict[tuple[str, str], Candidate] = {}
-        for candidate in most_first(state, blocks, i, others):
-            best.setdefault(candidate.kind, candidate)
-        for candidate in list(best.values())[:ALTERNATIVES]:
-            terms = in_place(own, i, candidate.term)
-            other = unbent(state.prepared, terms, [forms_like(state.fit.shape)])
-            if now.better(scored(other, blocks)):
-                continue
-            # weights that one model gives the logs favour it: the other one must do well there too
-            prepared, other = reweighed(*settled(state.prepared, other))
-            after = state.blocks_of(prepared, other)
-            same = scored(state.under(prepared), after)
-            if needed(scored(other, after), same):
-                _change(state, term, partial(_instead, candidate=candidate))
-                state.prepared, state.fit = prepared, other
-                return True
-    return False
 
 
 def exchange_drive(state: State, rng: np.random.Generator) -> bool:

@@ -25,7 +25,7 @@ from frictionjoint.diagnose.drive import Driven, look_at_drive, part_left
 from frictionjoint.diagnose.drive_instead import exchange_for_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.exchange import best_forms, exchange_bent, exchange_drive, weigh_others
+from frictionjoint.diagnose.exchange import best_forms, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.nearest import Replayed
@@ -99,11 +99,7 @@ def trace(
             laws.ripen(state.prepared, state.fit.effects)
             bent = False
         changed = (
-            _follow(state)
-            or taken
-            or exchange_bent(state)
-            or exchange_drive(state, rng)
-            or exchange_for_drive(state, rng)
+            _follow(state) or taken or exchange_drive(state, rng) or exchange_for_drive(state, rng)
         )
         if not changed:
             # what another law would explain as well may be an effect after all
