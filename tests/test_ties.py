@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.candidate import Candidate
+from frictionjoint.diagnose.choice import Tried, chosen
 from frictionjoint.diagnose.moves import Move
 from frictionjoint.diagnose.score import Scored
-from frictionjoint.diagnose.trace import _chosen, _Tried
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.smooth import SplineTerm
@@ -29,21 +29,21 @@ def tried(name, left):
 def of_term(term, left):
     candidate = Candidate(term, RNG.normal(size=(100, len(term.coefficients))))
     score = Scored(FIT, left * WITHOUT * RNG.uniform(0.5, 1.5, BLOCKS))
-    return _Tried(Move((term,), (candidate,), score.squares), None, score)
+    return Tried(Move((term,), (candidate,), score.squares), None, score)
 
 
 @pytest.mark.parametrize("order", [1, -1])
 def test_of_as_many_numbers_that_which_leaves_least_is_taken(order):
     leaders = [tried("torque-bias", 0.41), tried("inertia-error", 0.40)]
     best = min(leaders, key=lambda t: t.score.total)
-    choice = _chosen(Scored(FIT, WITHOUT), leaders[::order])
+    choice = chosen(Scored(FIT, WITHOUT), leaders[::order])
     assert choice.taken is best
     assert len(choice.ties) == 1
 
 
 def test_fewer_numbers_are_taken_where_they_leave_hardly_more():
     simple, rich = tried("torque-bias", 0.41), tried("position-periodic", 0.39)
-    choice = _chosen(Scored(FIT, WITHOUT), [rich, simple])
+    choice = chosen(Scored(FIT, WITHOUT), [rich, simple])
     assert choice.taken is simple
     assert choice.ties == ("position-periodic",)
 
@@ -52,21 +52,21 @@ def test_what_has_no_name_does_not_take_the_place_of_an_effect_that_explains_har
     """It leaves a fifth of what the effect leaves, of hardly anything."""
     named = tried("load-dependent", 0.01)
     curve = of_term(SplineTerm("load", -1.0, 1.0), 0.002)
-    assert _chosen(Scored(FIT, WITHOUT), [curve, named]).taken is named
+    assert chosen(Scored(FIT, WITHOUT), [curve, named]).taken is named
     # what explains but a part of it is named beside it, if at all
     part = tried("load-dependent", 0.4)
-    assert _chosen(Scored(FIT, WITHOUT), [curve, part]).taken is curve
-    assert _chosen(Scored(FIT, WITHOUT), [curve]).taken is curve
+    assert chosen(Scored(FIT, WITHOUT), [curve, part]).taken is curve
+    assert chosen(Scored(FIT, WITHOUT), [curve]).taken is curve
 
 
 def test_a_wave_of_the_encoder_takes_the_place_of_an_effect_that_explains_less():
     """A curve with as small a lead does not: it bends with the data."""
     named = tried("position-periodic", 0.45)
     wave = of_term(EncoderTerm("position", 1.0, 0.1, (1.0, 0.0), 0.1), 0.34)
-    assert _chosen(Scored(FIT, WITHOUT), [wave, named]).taken is wave
+    assert chosen(Scored(FIT, WITHOUT), [wave, named]).taken is wave
     curve = of_term(SplineTerm("position", -1.0, 1.0), 0.34)
-    assert _chosen(Scored(FIT, WITHOUT), [curve, named]).taken is named
+    assert chosen(Scored(FIT, WITHOUT), [curve, named]).taken is named
     # of hardly anything that is left less is no lead
     close = tried("gravity-error", 0.01)
     less = of_term(EncoderTerm("position", 1.0, 0.1, (1.0, 0.0), 0.1), 0.002)
-    assert _chosen(Scored(FIT, WITHOUT), [less, close]).taken is close
+    assert chosen(Scored(FIT, WITHOUT), [less, close]).taken is close
