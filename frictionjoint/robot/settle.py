@@ -109,17 +109,15 @@ def _followed(joint: FittedJoint) -> FittedJoint:
     return anew if anew.rms < again.rms else again
 
 
-def _again(joint: FittedJoint) -> FittedJoint:
-    return joint.refitted()
-
-
 def fitted_with_common(
     joints: Sequence[FittedJoint],
     terms: tuple[EffectTerm, ...],
     each: Each[FittedJoint, FittedJoint],
 ) -> tuple[FittedJoint, ...]:
     """Joints with their laws fitted together with some effects."""
-    return _fitted_again([replace(j, common_effects=terms) for j in joints], _again, each)
+    return _fitted_again(
+        [replace(j, common_effects=terms) for j in joints], FittedJoint.refitted, each
+    )
 
 
 def screened(
