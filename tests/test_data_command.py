@@ -6,6 +6,7 @@ from pathlib import Path
 from unittest import mock
 
 import command_line
+import pytest
 
 from frictionjoint.measured.registry import list_data
 
@@ -25,3 +26,10 @@ def test_list_names_every_set_with_its_licence():
         x.name: x.licence for x in list_data()
     }
     assert all(len(digest) == 64 for row in found for digest in row["files"].values())
+
+
+@pytest.mark.parametrize("name", [x.name for x in list_data()])
+def test_get_tells_where_the_logs_lie(name, measured_data):
+    found = json.loads(run("get", name, "--json", data=measured_data).stdout)
+    assert found["licence"]
+    assert all(os.path.exists(log) for log in found["logs"])

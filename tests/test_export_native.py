@@ -15,7 +15,8 @@ from typer.testing import CliRunner
 import frictionjoint as fj
 from frictionjoint.cli import app
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.errors import FrictionJointError, ModelError
+from frictionjoint.errors import FrictionJointError, LogError, ModelError
+from frictionjoint.export.motion import log_motions
 from frictionjoint.export.run import Target, export, output_file
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import StaticParameters
@@ -269,3 +270,15 @@ def test_the_command_tells_what_is_lost(tmp_path):
     assert Path(said["file"]).is_file()
     (loss,) = said["losses"]
     assert 10.0 < loss["torque_lost"] < loss["torque"] == pytest.approx(38.7, abs=0.5)
+
+
+def test_a_log_gives_the_motion(tmp_path):
+    t = np.arange(0.0, 4.0, 0.005)
+    q = 0.4 * np.sin(2.0 * t)
+    rows = "\n".join(f"{a},{b},{np.sin(a)}" for a, b in zip(t, q, strict=True))
+    log = tmp_path / "log.csv"
+    log.write_text("time_s,position_rad,torque_nm\n" + rows)
+    (motion,) = log_motions(log, ["elbow"], {}).values()
+    assert np.abs(motion.velocity[50:-50] - 0.8 * np.cos(2.0 * t[50:-50])).max() < 0.01
+    with pytest.raises(LogError, match="2 joints have friction, name them in the columns"):
+        log_motions(log, ["elbow", "turn"], {})

@@ -232,3 +232,9 @@ def test_every_motor_holds_its_load_and_passes_the_strict_check(motor):
     assert np.ptp(held(motor, own, 40)[1000:]) < 1e-6
     drift = np.diff(held(motor, 0.5, 15)[500:].reshape(2, -1).mean(axis=1))
     assert abs(drift[0]) < 1e-4
+
+
+def test_the_list_names_them():
+    listed = json.loads(call("list", "--json").output)
+    assert [row["name"] for row in listed] == [motor.name for motor in list_motors()]
+    assert "ur10_j1" in call().output

@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled
+from frictionjoint.errors import ModelError
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import Form, IntegratedShape
 from frictionjoint.law.names import LAWS
+from frictionjoint.law.tangents.activity import Particulars
+from frictionjoint.law.tangents.differentiate import Differentiated
 
 TYPICAL = {
     "excess": 0.3,
@@ -89,3 +94,22 @@ def test_derivatives_are_what_differences_tend_to(name):
             exact = np.array([x[i] for x in derivatives]) / scale
             assert np.abs(exact - fine)[smooth].max() < 1e-6, (motion, variable)
     assert np.mean(left_out) < 0.01, left_out
+
+
+@compiled
+def _hides_a_derivative(P: Vector, p: int) -> float:
+    if P[p] == 1.0:
+        return P[p]
+    return P[p] * P[p]
+
+
+@compiled
+def _unheard_of(P: Vector, p: int) -> float:
+    return P[p] // 2.0
+
+
+@pytest.mark.parametrize("kernel", [_hides_a_derivative, _unheard_of])
+def test_what_cannot_be_differentiated_is_named(kernel):
+    nothing = Particulars({}, (), {}, frozenset(), {}, frozenset())
+    with pytest.raises(ModelError, match=f"{kernel.py_func.__name__} cannot be differentiated"):
+        Differentiated(kernel, frozenset(), True, nothing)
