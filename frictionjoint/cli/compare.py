@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.output import Force, Json, require_writable
-from frictionjoint.cli.terminal import console, progress
+from frictionjoint.cli.terminal import progress, show_table
 from frictionjoint.errors import ParameterError
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -87,9 +86,6 @@ def compare(
     if as_json:
         typer.echo(json.dumps({x.name: x.figures for x in found}, indent=2))
         return
-    table = Table("", *(x.name for x in found))
-    for name, cells in rows(found):
-        table.add_row(name, *cells)
-    console().print(table)
+    show_table(["", *(x.name for x in found)], ((name, *cells) for name, cells in rows(found)))
     if out is not None:
         typer.echo(f"Wrote {out}")

@@ -4,11 +4,10 @@ import json
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.output import Json
 from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
-from frictionjoint.cli.terminal import console, progress
+from frictionjoint.cli.terminal import progress, show_table
 
 data = typer.Typer(
     cls=PlainGroup,
@@ -37,11 +36,8 @@ def list_command(as_json: Json = False) -> None:
         rows = [{key: getattr(x, key) for key in shown} | {"files": dict(x.files)} for x in found]
         typer.echo(json.dumps(rows, indent=2))
         return
-    table = Table("name", "what", "files", "licence")
-    table.add_column("source", overflow="fold")  # an address cut short leads nowhere
-    for x in found:
-        table.add_row(x.name, x.title, str(len(x.files)), x.licence, x.source)
-    console().print(table)
+    cells = ((x.name, x.title, str(len(x.files)), x.licence, x.source) for x in found)
+    show_table(("name", "what", "files", "licence", "source"), cells)
 
 
 @data.command("get", cls=PlainCommand)

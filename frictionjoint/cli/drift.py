@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.logs import (
     NO_OPTIONS,
@@ -16,7 +15,7 @@ from frictionjoint.cli.logs import (
     reads_logs,
 )
 from frictionjoint.cli.output import Json
-from frictionjoint.cli.terminal import console, progress
+from frictionjoint.cli.terminal import progress, show_table
 
 DRIFTED = 1
 
@@ -66,15 +65,16 @@ def drift(
         }
         typer.echo(json.dumps(content, indent=2))
     else:
-        table = Table("number", "report", "new logs", "standard error", "result")
-        for number, x in zip(known.numbers, rows, strict=True):
-            table.add_row(
-                f"{number.words}, {x.number}",
+        cells = (
+            (
+                f"{n.words}, {x.number}",
                 f"{x.before:.4g}",
                 f"{x.now:.4g}",
                 f"{x.stderr:.2g}",
                 x.state,
             )
-        console().print(table)
+            for n, x in zip(known.numbers, rows, strict=True)
+        )
+        show_table(("number", "report", "new logs", "standard error", "result"), cells)
     if changed:
         raise typer.Exit(DRIFTED)

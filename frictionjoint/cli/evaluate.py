@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.logs import (
     NO_OPTIONS,
@@ -16,7 +15,7 @@ from frictionjoint.cli.logs import (
     reads_logs,
 )
 from frictionjoint.cli.output import Force, Json, require_writable
-from frictionjoint.cli.terminal import console, progress
+from frictionjoint.cli.terminal import console, progress, show_table
 
 FILES = ("evaluation.html", "evaluation.json")
 
@@ -63,17 +62,15 @@ def evaluate(
     if as_json:
         typer.echo(text)
         return
-    table = Table("joint", "friction", "torque error", "of the torque", "replay", "closed loop")
-    for name, x in found.joints.items():
-        table.add_row(
-            name,
-            x.friction,
-            figures(x.torque_rms, x.unit),
-            figures(x.torque_percent, "%"),
-            figures(x.replay_rms, x.position_unit),
-            figures(x.closed_loop_mae, x.position_unit),
+    rows = (
+        (
+            *(name, x.friction, figures(x.torque_rms, x.unit), figures(x.torque_percent, "%")),
+            *(figures(error, x.position_unit) for error in (x.replay_rms, x.closed_loop_mae)),
         )
-    console().print(table)
+        for name, x in found.joints.items()
+    )
+    head = "joint", "friction", "torque error", "of the torque", "replay", "closed loop"
+    show_table(head, rows)
     for note in found.notes:
         console().print(f"* {note}", soft_wrap=True, markup=False)
     if out is not None:

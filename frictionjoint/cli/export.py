@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.logs import Columns, columns_of
 from frictionjoint.cli.output import Force, Json, require_writable
-from frictionjoint.cli.terminal import console, progress
+from frictionjoint.cli.terminal import progress, show_table
 from frictionjoint.errors import ParameterError
 
 _Target = Literal["native", "mjx", "urdf", "c", "mjlab", "newton", "isaac"]
@@ -83,28 +82,21 @@ def export(
         )
         write_files(file.parent, {file.name: done.text})
     if as_json:
-        rows = [loss.to_dict() for loss in done.losses]
-        typer.echo(json.dumps({"file": str(file), "lost": done.lost, "losses": rows}, indent=2))
+        losses = [loss.to_dict() for loss in done.losses]
+        typer.echo(json.dumps({"file": str(file), "lost": done.lost, "losses": losses}, indent=2))
         return
     typer.echo(f"Wrote {file}")
     for lost in done.lost:
         typer.echo(f"Lost: {lost}")
     if done.losses:
-        table = Table(
-            "joint",
-            "friction",
-            "error in sliding",
-            "error in all",
-            "loop error, ours",
-            "exported",
-            "difference",
-        )
+        rows = []
         for x in done.losses:
             errors = (_error(lost, x.torque, x.unit) for lost in (x.sliding_lost, x.torque_lost))
             torques = (f"{x.torque:.3g} {x.unit}", *errors)
             errors = (f"{1e3 * e:.3g} m{x.unit_of_position}" for e in x.errors)
-            table.add_row(x.joint, *torques, *errors)
-        console().print(table)
+            rows.append((x.joint, *torques, *errors))
+        head = "joint", "friction", "error in sliding", "error in all", "loop error, ours"
+        show_table((*head, "exported", "difference"), rows)
         typer.echo(
             f"All values are rms, along {'; '.join(sorted({x.motion for x in done.losses}))}. "
             "Sliding: away from rest and reversals."

@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.output import Force, Json, require_writable
-from frictionjoint.cli.terminal import console, warnings_afterwards
+from frictionjoint.cli.terminal import show_table, warnings_afterwards
 from frictionjoint.errors import FrictionJointError, ParameterError, few
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -128,20 +127,17 @@ def check(
     if as_json:
         typer.echo(json.dumps(findings, indent=2))
     else:
-        table = Table(
-            "joint", "law", "stiffness K", "h sqrt(K/J)", "h sigma/J", "effects", "remark"
-        )
-        for row in findings:
-            table.add_row(
-                row["joint"],
-                row["law"],
-                f"{row['stiffness']:.4g} {row['unit']}",
-                f"{row['step_ratio']:.3g}",
-                f"{row['damping_ratio']:.3g}",
+        cells = (
+            (
+                *(row["joint"], row["law"], f"{row['stiffness']:.4g} {row['unit']}"),
+                *(f"{row['step_ratio']:.3g}", f"{row['damping_ratio']:.3g}"),
                 ", ".join(row["effects"]) or "none",
                 "outside its limits, see below" if row["outside"] else row["remark"],
             )
-        console().print(table)
+            for row in findings
+        )
+        ratios = "h sqrt(K/J)", "h sigma/J"
+        show_table(("joint", "law", "stiffness K", *ratios, "effects", "remark"), cells)
         typer.echo(integrator_note(model))
         for row in findings:
             for sentence in row["acts"]:

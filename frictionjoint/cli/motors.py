@@ -6,11 +6,10 @@ from statistics import mean, stdev
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
-from frictionjoint.cli.terminal import console
+from frictionjoint.cli.terminal import show_table
 
 motors = typer.Typer(
     cls=PlainGroup,
@@ -73,13 +72,13 @@ def list_command(
         ]
         typer.echo(json.dumps(rows, indent=2))
         return
-    table = Table("name", "what", "law", "effects", "torque error", "licence")
+    cells = []
     for x in found:
         effects = ", ".join(e.effect.title or e.effect.name for e in x.friction.effects) or "none"
         ends = (x.fit.get(f"torque_held_out{when}") for when in ("_before", ""))
         shown = " → ".join("?" if end is None else f"{end:.3g}" for end in ends) + f" {x.unit}"
-        table.add_row(x.name, x.title, x.friction.parameters.law, effects, shown, x.licence)
-    console().print(table)
+        cells.append((x.name, x.title, x.friction.parameters.law, effects, shown, x.licence))
+    show_table(("name", "what", "law", "effects", "torque error", "licence"), cells)
     typer.echo("Torque error: rms on held-out data, with the law alone and with the effects.")
 
 
@@ -114,28 +113,25 @@ def show_command(
         typer.echo(json.dumps(content, indent=2))
         return
     typer.echo(f"{motor.title}: law {parameters.law}")
-    table = Table("number", "symbol", "value", "standard error")
+    rows = []
     for x in law_values(parameters, motor.unit == "N"):
         error = motor.stderr.get(x.symbol, motor.stderr.get(f"{x.symbol}_pos"))
-        table.add_row(x.meaning, x.symbol, x.text, "-" if error is None else f"{error:.2g}")
+        rows.append((x.meaning, x.symbol, x.text, "-" if error is None else f"{error:.2g}"))
     for effect, found in motor.found.items():
         for key, value in found.items():
             quantity, text = effect_value(effect, key, value, motor.unit == "N")
-            table.add_row(f"{title(effect)}: {quantity}", key, text, "-")
-    console().print(table)
+            rows.append((f"{title(effect)}: {quantity}", key, text, "-"))
+    show_table(("number", "symbol", "value", "standard error"), rows)
     speed_unit = "m/s" if motor.unit == "N" else "rad/s"
-    table = Table(f"speed, {speed_unit}", f"positive, {motor.unit}", f"negative, {motor.unit}")
-    for speed, up, down in zip(speeds, curves["pos"], curves["neg"], strict=True):
-        table.add_row(f"{speed:.3g}", f"{up:.3g}", f"{-down:.3g}")
-    console().print(table)
+    head = f"speed, {speed_unit}", f"positive, {motor.unit}", f"negative, {motor.unit}"
+    points = zip(speeds, curves["pos"], -curves["neg"], strict=True)
+    show_table(head, ([f"{x:.3g}" for x in point] for point in points))
     if motor.units:
         symbols = list(next(iter(motor.units.values())))
-        table = Table("unit", *symbols)
-        for unit, values in motor.units.items():
-            table.add_row(unit, *(f"{values[key]:.3g}" for key in symbols))
+        units = [(unit, *(f"{x[key]:.3g}" for key in symbols)) for unit, x in motor.units.items()]
         spreads = [[values[key] for values in motor.units.values()] for key in symbols]
-        table.add_row("mean ± deviation", *(f"{mean(x):.3g} ± {stdev(x):.2g}" for x in spreads))
-        console().print(table)
+        both = "mean ± deviation", *(f"{mean(x):.3g} ± {stdev(x):.2g}" for x in spreads)
+        show_table(["unit", *symbols], [*units, both])
     for key in ("source", "licence", "conditions", "command", "verdict"):
         if text := getattr(motor, key):
             typer.echo(f"{key}: {text.replace('-', ' ') if key == 'verdict' else text}")

@@ -3,9 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-
-from frictionjoint.cli.terminal import console
+from frictionjoint.cli.terminal import console, show_table
 from frictionjoint.errors import LogError
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -38,10 +36,9 @@ def show_units(report: "UnitsReport") -> None:
         out.print(f"{name}: {unit_sentence(unit.to_dict())}", soft_wrap=True, markup=False)
     for name, text in report.failed.items():
         out.print(f"{name}: {text}", soft_wrap=True, markup=False)
-    table = Table("of", "parameter", "mean", "deviation", "standard error")
+    rows = []
     for row in report.spreads:
         error = "-" if row.error is None else f"{row.error:.2g}"
-        measured_in = "" if row.unit == "1" else f", {row.unit}"
-        cells = f"{row.mean:.4g}", f"{row.deviation:.2g}", error
-        table.add_row(row.owner, row.name + measured_in, *cells)
-    out.print(table)
+        name = row.name if row.unit == "1" else f"{row.name}, {row.unit}"
+        rows.append((row.owner, name, f"{row.mean:.4g}", f"{row.deviation:.2g}", error))
+    show_table(("of", "parameter", "mean", "deviation", "standard error"), rows)

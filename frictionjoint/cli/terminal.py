@@ -3,7 +3,7 @@
 import contextlib
 import re
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -15,7 +15,7 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
-from rich.table import Table
+from rich.table import Column, Table
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     from frictionjoint.identify.result import Estimate
@@ -86,12 +86,20 @@ def show_report(report: "Report | RobotReport") -> None:
     console().print(report.summary(), soft_wrap=True, markup=False, highlight=False)
 
 
+def show_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table; a word that is too long for its column, such as an address, is folded."""
+    table = Table(*(Column(text, overflow="fold") for text in head))
+    for row in rows:
+        table.add_row(*row)
+    console().print(table)
+
+
 def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:
     """Parameters with meaning, errors and units; one row for both directions if they are equal."""
     from frictionjoint.report.numbers import law_numbers
 
-    table = Table("parameter", "symbol", "value ± standard error")
-    for x in law_numbers(dict(rows)):
-        text = f"{x.text} (fixed)" if x.status == "fixed" else x.qualified
-        table.add_row(x.meaning, x.name, text)
-    console().print(table)
+    found = (
+        (x.meaning, x.name, f"{x.text} (fixed)" if x.status == "fixed" else x.qualified)
+        for x in law_numbers(dict(rows))
+    )
+    show_table(("parameter", "symbol", "value ± standard error"), found)
