@@ -13,9 +13,9 @@ MODEL = f"""<mujoco><option gravity="0 0 0"/><worldbody><body><joint name="j" ax
 </worldbody></mujoco>"""
 
 
-def leg(inertia: float) -> JointLog:
-    """A leg's joint that swings quickly under a PD controller, 16 s at 200 Hz."""
-    n = 16_000
+def leg(inertia: float, seconds: int = 16) -> JointLog:
+    """A leg's joint that swings quickly under a PD controller, at 200 Hz."""
+    n = 1000 * seconds
     time = TICK * np.arange(n)
     target = 0.3 * np.sin(2.0 * np.pi * 1.3 * time) + 0.15 * np.sin(2.0 * np.pi * 3.1 * time + 0.7)
     position = np.empty(n)
