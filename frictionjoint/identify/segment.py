@@ -13,7 +13,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from scipy.signal import welch
 
 from frictionjoint.arrays import Array
@@ -31,9 +31,9 @@ from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, gentle,
 # samples in a period of the balance's corner, in a fit and in a coarse search: with less than four
 # what the filter passes is folded back
 A_BALANCE, _A_COARSE = 4.0, 32.0
-# of a load's spectrum: periods of the balance's corner that it resolves, and where its noise is
-# read, over the corner of the motion
-_PERIODS, _NOISE_FROM = 20.0, 0.6
+# of a load's spectrum: periods of the balance's corner that it resolves; where its noise is read,
+# over the corner of the motion; lines that are averaged
+_PERIODS, _NOISE_FROM, _AROUND = 20.0, 0.6, 9
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
 
@@ -151,9 +151,10 @@ class Segment:
         # the frequency; near the corner of the motion there is hardly anything else
         growing, top = steep(ratio) ** 2 * ratio**4, ratio > _NOISE_FROM
         noise = growing * (np.median(power[top] / growing[top]) if top.any() else 0.0)
-        # the band with the smallest error: the noise within it and the torque beyond it
-        beyond = np.cumsum((power - noise)[::-1])[::-1] - (power - noise)
-        corner = float(f[np.argmin(np.cumsum(noise) + beyond)])
+        # up to where half of the power is noise for the first time, whatever lines lie beyond; the
+        # spectrum of a repeated motion has gaps
+        around = uniform_filter1d(power - 2.0 * noise, _AROUND, mode="nearest")
+        corner = float(np.append(f[around <= 0.0], self.corner_hz)[0])
         return _lowpass(len(torque), self.dt, corner, 1)(torque)
 
     def lowpass(self, x: Array) -> Array:
