@@ -11,8 +11,9 @@ that explains as much as the effect, within the standard error, is a tie. An eff
 within two standard errors of zero is dropped first, unless several such effects carry the evidence
 together and held-out prediction gets worse without this one.
 
-The p-value stays the one at which the effect was accepted. If a missing slow effect biased the law,
-the p-value from the final model is not informative.
+The p-value stays the one at which the effect was accepted: if a missing slow effect biased the law,
+that from the final model is not informative. An effect that was accepted for the p-value of another
+one, with which it came as a pair, has that of the final model.
 """
 
 import itertools
@@ -21,7 +22,7 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.diagnose.candidate import comes_first
-from frictionjoint.diagnose.decisions import MOSTLY, TIE
+from frictionjoint.diagnose.decisions import MOSTLY, SIGNIFICANCE, TIE
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
@@ -145,7 +146,9 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     chosen = float(np.mean(np.all(ahead, axis=0)))
     # shapes were chosen on all of the data for the one gain, without each fold for the other
     gain = min(now.gain(bare), seen.gain(row))
-    row = row._replace(frequency=chosen, p_value=finding.row.p_value)
+    # one of a pair need not have been significant while the other one was missing
+    came = finding.row.p_value
+    row = row._replace(frequency=chosen, p_value=came if came <= SIGNIFICANCE else row.p_value)
     return replace(finding, look=seen, row=row, gain=gain)
 
 
