@@ -19,10 +19,10 @@ def without_curves(
     candidates: list[Candidate],
     curves: list[Candidate],
 ) -> list[Candidate]:
-    """Candidates without short waves that predict unlike motion no better than free curves.
+    """Candidates without short waves, but for those with half of the error of every free curve.
 
-    Less than one and a half waves in position resemble any curve. Where a fold of the logs has no
-    positions a wave continues, and a curve does not.
+    Less than one and a half waves in position resemble any curve. But where a fold of the logs has
+    no positions a wave continues, and a curve does not.
     """
     fewest = 2.0 * np.pi * FEWEST_WAVES / prepared.usual_travel
     short = [c for c in candidates if _is_wave(c.term) and c.term.shape[0] < fewest]
@@ -30,8 +30,8 @@ def without_curves(
         return candidates
     seen = screen(fitted, blocks, [*short, *curves])
     left = [float(seen.held_out([*seen.terms, at])[0].sum()) for at in seen.candidates]
-    least = (1.0 - APART) * min(left[len(short) :], default=np.inf)
-    curved = {id(c) for c, its in zip(short, left, strict=False) if its > least}
+    most = (1.0 - APART) ** 2 * min(left[len(short) :], default=np.inf)
+    curved = {id(c) for c, its in zip(short, left, strict=False) if its > most}
     return [c for c in candidates if id(c) not in curved]
 
 
