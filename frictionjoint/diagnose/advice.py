@@ -8,8 +8,6 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.parameter_meanings import meanings
 from frictionjoint.report.wording import quantity
 
-# A parameter whose standard error exceeds this fraction of it counts as not determined.
-_LOOSE = 0.5
 _BREAKAWAY = "constant velocities from very slow to fast, in both directions"
 _PRESLIDING = "slow motion that reverses before the joint slides"
 # Which motion determines which parameters of the law.
@@ -67,11 +65,7 @@ def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, 
     """Parameters of the law that the logs hardly determine, grouped by the motion that would."""
     found = []
     for motion, names in _DETERMINED_BY.items():
-        loose = tuple(name for name in names if name in law and _is_loose(law[name]))
+        loose = tuple(name for name in names if name in law and law[name].is_loose)
         if loose:
             found.append((motion, loose))
     return found
-
-
-def _is_loose(x: Estimate) -> bool:
-    return x.stderr is None or x.stderr > _LOOSE * abs(x.value)

@@ -90,8 +90,7 @@ def with_assumed_stiffness(
     if not shape.assumed or not _holds(fitted):
         return fitted
     known = law_estimates(fitted, covariance(prepared, fitted), prepared.slide)["stiffness"]
-    # the logs determine a stiffness with a standard error below half of it
-    if known.stderr is not None and known.stderr < 0.5 * known.value:
+    if not known.is_loose:
         return fitted
     found = refit(prepared, fitted.effects, shape, ROUGH)
     return found if found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY) else fitted

@@ -15,6 +15,8 @@ _LINEAR = ("Fc", "sigma2", "sigma1")
 # Fs / Fc - 1 up to which friction counts as flat
 _FLAT = 1e-3
 _DRIVE_UNITS = {"current": "A", "voltage": "V"}
+# standard error over the value beyond which logs do not determine a parameter
+LOOSE = 0.5
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,11 @@ class Estimate:
     value: float
     stderr: float | None
     unit: str
+
+    @property
+    def is_loose(self) -> bool:
+        """Whether the logs hardly determine it: no standard error, or one beyond half of it."""
+        return self.stderr is None or self.stderr > LOOSE * abs(self.value)
 
     def to_dict(self) -> dict[str, float | str | None]:
         """As in report.json."""

@@ -10,6 +10,7 @@ from frictionjoint.control.reconstruct import with_known_drive
 from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import FrictionJointError, ParameterError
 from frictionjoint.identify.held import Pose
+from frictionjoint.identify.result import LOOSE
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import Between, over
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
@@ -22,8 +23,6 @@ FEWEST = 3
 _SURE = 0.05
 # least fraction of the information on a parameter that must come from each recording
 _INFORMED = 0.5
-# half width of the mean's interval, as a fraction of the mean, above which it is undetermined
-_LOOSE = 0.5
 _MEASURED = {
     e.name for e in CATALOGUE if e.entry in ("acts on the measurement", "acts on the motor")
 }
@@ -100,7 +99,7 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
 
 def _determined(between: Between) -> bool:
     low, high = between.interval
-    return high - low < 2.0 * _LOOSE * abs(between.mean)
+    return high - low < 2.0 * LOOSE * abs(between.mean)
 
 
 def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dict[str, Any]:

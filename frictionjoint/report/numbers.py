@@ -17,9 +17,6 @@ from frictionjoint.report import wording
 Content = Mapping[str, Any]
 Status = Literal["determined", "not determined", "assumed", "fixed"]
 
-# a standard error beyond this fraction of the value: the logs do not determine the value. The same
-# fraction decides which motion is recommended (``diagnose.advice``)
-LOOSE = 0.5
 # what a factor is where there is no effect; of any other number it is 0
 _NULL = {"factor": 1.0}
 _CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs")
@@ -109,7 +106,7 @@ def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
         if symbol in ("stiffness", "sigma1"):
             return "assumed"
         return "not determined" if symbol in ("Vs", "delta", "Fs") else "fixed"
-    return "not determined" if x.stderr > LOOSE * abs(x.value) else "determined"
+    return "not determined" if x.is_loose else "determined"
 
 
 def _equal(a: Estimate, b: Estimate) -> bool:

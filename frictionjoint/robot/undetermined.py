@@ -5,12 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.result import LOOSE, Estimate
 from frictionjoint.parameter_meanings import meaning
 from frictionjoint.robot.information import BaseParameters, Information, base_parameters, errors
-
-# standard error over the value from which on a parameter is loose
-_LOOSE = 0.5
 
 
 def undetermined(
@@ -24,16 +21,14 @@ def undetermined(
     base = base_parameters(found)
     rows = [*_sums(found, base), *_unseen(found, base), *_loose(found, base)]
     for joint, estimates in friction.items():
-        names = [n for n, x in estimates.items() if _is_loose(x)]
+        names = [
+            n for n, x in estimates.items() if x.is_loose and (x.value != 0.0 or x.stderr is None)
+        ]
         if names:
             words = dict.fromkeys(meaning(n.partition("_")[0]) for n in names)
             text = f"friction of {joint}: {', '.join(words)}"
             rows.append(_row("friction", names, text, joint=joint))
     return tuple(rows)
-
-
-def _is_loose(x: Estimate) -> bool:
-    return x.stderr is None or (x.value != 0.0 and x.stderr > _LOOSE * abs(x.value))
 
 
 def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
@@ -66,9 +61,9 @@ def _unseen(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
 def _loose(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
     # ten correlated samples count as one
     error = errors(found, base.base) * np.sqrt(10.0)
-    loose = [k for k, e in zip(base.base, error, strict=True) if e > _LOOSE]
+    loose = [k for k, e in zip(base.base, error, strict=True) if e > LOOSE]
     return _by_owner(
-        found, loose, "loose", f"known to no better than {_LOOSE:.0%} of the model's own size"
+        found, loose, "loose", f"known to no better than {LOOSE:.0%} of the model's own size"
     )
 
 
