@@ -214,12 +214,14 @@ def _missing(s: Summary) -> str:
             "part of the error." + times
         )
     sure = [e.title for e in s.effects if not e.doubt]
-    unsure = [f"{e.title} ({e.doubt})" for e in s.effects if e.doubt]
+    # what would be left out if held-out prediction did not need it
+    unsized = [e.title for e in s.effects if "size" in e.doubt]
+    unsure = [f"{e.title} ({e.doubt})" for e in s.effects if e.doubt and "size" not in e.doubt]
     change = compared(s.error(_drive_name(s), "before"), s.error(_drive_name(s), "after"), s.role)
     if change in ("rises", "no fall") and s.role == "held_out":
         held = "contradict" if change == "rises" else "do not confirm"
         return (
-            f"not confirmed: fitted logs suggest {listed(sure or unsure)}, held-out logs {held} it."
+            f"not confirmed: fitted logs suggest {listed(sure or unsure or unsized)}, held-out logs {held} it."
             + rest
         )
     text = listed(sure)
@@ -227,9 +229,13 @@ def _missing(s: Summary) -> str:
         names = [e.title for e in s.effects]
         one = "one or more of " if len(names) > 1 else ""
         text = f"{one}{listed(names)}, but these logs do not determine {_doubts(s)}"
-    elif unsure:
+    else:
         text = text or "nothing for certain"
-        text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
+        if unsized:
+            size = "a size" if len(unsized) == 1 else "sizes"
+            text += f"; needed too, with {size} that these logs leave open: {listed(unsized)}"
+        if unsure:
+            text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
     if s.laws[0] != s.laws[1]:
         text += f"; the friction law is {s.laws[1]} instead of {s.laws[0]}"
     if sure and s.role == "held_out" and not _falls(s):
