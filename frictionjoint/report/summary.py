@@ -220,10 +220,8 @@ def _missing(s: Summary) -> str:
     change = compared(s.error(_drive_name(s), "before"), s.error(_drive_name(s), "after"), s.role)
     if change in ("rises", "no fall") and s.role == "held_out":
         held = "contradict" if change == "rises" else "do not confirm"
-        return (
-            f"not confirmed: fitted logs suggest {listed(sure or unsure or unsized)}, held-out logs {held} it."
-            + rest
-        )
+        suggested = listed(sure or unsure or unsized)
+        return f"not confirmed: fitted logs suggest {suggested}, held-out logs {held} it." + rest
     text = listed(sure)
     if not sure and change == "falls" and all("size" in e.doubt for e in s.effects):
         names = [e.title for e in s.effects]
