@@ -10,7 +10,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.decisions import LEAST_WARMING, SMALLEST_GAIN
-from frictionjoint.diagnose.short_waves import without_curves
+from frictionjoint.diagnose.short_waves import nearly_curves, short_waves
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
@@ -119,9 +119,15 @@ def _with_waves(
         terms += found
         among += [lines] * len(found)
     made = _candidates(prepared, fitted, signals, terms, among)
-    curves = _curves(prepared, signals, "position")
-    beside = _candidates(prepared, fitted, signals, curves, [1.0] * len(curves))
-    return without_curves(prepared, fitted, blocks, made, beside)
+    short = short_waves(prepared, made)
+    if not short:
+        return made
+    curves = [c for c in made if isinstance(c.term, SplineTerm) and c.term.name == "position"]
+    if not curves:  # where effects alone are wanted
+        splines: list[Term] = _curves(prepared, signals, "position")
+        curves = _candidates(prepared, fitted, signals, splines, [1.0] * len(splines))
+    nearly = {id(c) for c in nearly_curves(fitted, blocks, short, curves)}
+    return [c for c in made if id(c) not in nearly]
 
 
 def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:

@@ -1,5 +1,7 @@
 """Waves in position that are hardly longer than the travel."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from frictionjoint.diagnose.candidate import Candidate
@@ -12,27 +14,24 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
 
 
-def without_curves(
-    prepared: Prepared,
-    fitted: Fit,
-    blocks: Blocks,
-    candidates: list[Candidate],
-    curves: list[Candidate],
-) -> list[Candidate]:
-    """Candidates without short waves, but for those with half of the error of every free curve.
-
-    Less than one and a half waves in position resemble any curve. But where a fold of the logs has
-    no positions a wave continues, and a curve does not.
-    """
+def short_waves(prepared: Prepared, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Candidates that are waves with less than one and a half periods in the usual travel."""
     fewest = 2.0 * np.pi * FEWEST_WAVES / prepared.usual_travel
-    short = [c for c in candidates if _is_wave(c.term) and c.term.shape[0] < fewest]
-    if not short:
-        return candidates
+    return [c for c in candidates if _is_wave(c.term) and c.term.shape[0] < fewest]
+
+
+def nearly_curves(
+    fitted: Fit, blocks: Blocks, short: Sequence[Candidate], curves: Sequence[Candidate]
+) -> list[Candidate]:
+    """Short waves without half of the error of every free curve on unlike motion.
+
+    Short waves resemble any curve. But where a fold of the logs has no positions a wave continues,
+    and a curve does not.
+    """
     seen = screen(fitted, blocks, [*short, *curves])
     left = [float(seen.held_out([*seen.terms, at])[0].sum()) for at in seen.candidates]
     most = (1.0 - APART) ** 2 * min(left[len(short) :], default=np.inf)
-    curved = {id(c) for c, its in zip(short, left, strict=False) if its > most}
-    return [c for c in candidates if id(c) not in curved]
+    return [c for c, its in zip(short, left, strict=False) if its > most]
 
 
 def _is_wave(term: Term) -> bool:
