@@ -4,18 +4,16 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.effects.signals import GX, GY, LOAD, A
+from frictionjoint.effects.signals import A
 from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
 from frictionjoint.identify.rival_shape import forms_of, start_of
 from frictionjoint.identify.rounding import in_order
 from frictionjoint.identify.search import ROUGH, Search, refit
-from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.starts import law_alone, ripened
 from frictionjoint.identify.terms import EffectTerm
@@ -25,6 +23,10 @@ from frictionjoint.threads import one_thread
 
 # how the integrated law acts in the log of a simulation with MuJoCo's own `frictionloss`
 CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
+# of the critical damping: a hundredth still brings a joint to rest within a hundred periods
+_PARTS_OF_CRITICAL = tuple(0.5**k for k in range(8))
+# Fs / Fc - 1 that may be assumed
+_EXCESSES = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
 
 @one_thread
@@ -66,8 +68,18 @@ def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[
 def with_assumptions(
     prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
 ) -> Fit:
-    """The same fit with the stiffness and damping assumed that the logs do not determine."""
-    return with_assumed_damping(prepared, with_assumed_stiffness(prepared, fitted, covariance))
+    """The same fit with assumptions about what the logs do not determine.
+
+    A parameter that they do not determine may have any value in a fit, and a model with that value
+    may creep, ring or jam at rest. An assumption is made if the residual is not clearly larger than
+    without it.
+
+    Args:
+        covariance: function of logs and fit that returns the covariance of its parameters.
+    """
+    for assume in (with_assumed_stiffness, with_assumed_breakaway, with_assumed_damping):
+        fitted = assume(prepared, fitted, covariance)
+    return fitted
 
 
 def with_assumed_stiffness(
@@ -81,7 +93,7 @@ def with_assumed_stiffness(
     value.
 
     Args:
-        covariance: function of logs and fit that returns the covariance of its parameters.
+        covariance: see `with_assumptions`.
     """
     shape = fitted.shape.with_assumed_stiffness(shortest(prepared))
     if isinstance(shape, ConstraintShape):
@@ -89,51 +101,81 @@ def with_assumed_stiffness(
     # a stiffness without a torque holds nothing
     if not shape.assumed or not _holds(fitted):
         return fitted
-    known = law_estimates(fitted, covariance(prepared, fitted), prepared.slide)["stiffness"]
-    if not known.is_loose:
+    if not _law(prepared, fitted, covariance)["stiffness"].is_loose:
         return fitted
     found = refit(prepared, fitted.effects, shape, ROUGH)
-    return found if found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY) else fitted
+    return found if _allowed(found, fitted) else fitted
 
 
-def with_assumed_damping(prepared: Prepared, fitted: Fit) -> Fit:
+def with_assumed_damping(
+    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
+) -> Fit:
     """The same fit with an assumed damping sigma1, if the stuck joint would ring.
 
     A law with a soft presliding stiffness and no damping lets the joint oscillate at rest without
     end, because its first segment is elastic. The assumed value damps the joint critically, or
     half as much, or half of that and so on, until the logs allow it. A stiffness that is assumed
-    needs none, because the time step damps it.
+    needs none, because the time step damps it. A damping that the logs determine stays.
+
+    Args:
+        covariance: see `with_assumptions`.
     """
     shape = fitted.shape
     if not isinstance(shape, IntegratedShape) or shape.assumed or not fitted.has_level:
         return fitted
-    if shape.damped and fitted.coefficient("sigma1") > 0.0:
+    known = fitted.coefficient("sigma1") if shape.damped else 0.0
+    if known > 0.0 and not _law(prepared, fitted, covariance)["sigma1"].is_loose:
         return fitted
     level, viscosity = fitted.levels
-    inertia = max(map(_inertia, prepared.segments))
-    critical = 2.0 * math.sqrt(law_parameters(fitted).stiffness * max(inertia, 0.0))
-    # a hundredth of the critical damping still brings a joint to rest within a hundred periods
-    for part in (0.5**k for k in range(8)):
+    inertia = max(s.inertia for s in prepared.segments)
+    critical = 2.0 * math.sqrt(law_parameters(fitted).stiffness * inertia)
+    for part in _PARTS_OF_CRITICAL:
         wanted = part * critical - viscosity
-        if wanted <= 0.0:
+        if wanted <= known:
             break
-        search = Search(prepared, fitted.terms, replace(shape, damping=wanted / level))
+        damped = replace(shape, damped=False, damping=wanted / level)
+        # a search could end in another minimum, where friction is viscous instead
+        search = Search(prepared, fitted.terms, damped)
         found = search.result(search.start)
-        # a residual that grows by 1% shows nothing; a joint that would never come to rest is worse
-        # than a residual that is not clearly larger
-        most = 1.01 if part > 0.02 else 1.0 / (1.0 - CLEARLY)
-        if found.drive_rms <= most * fitted.drive_rms:
+        if _allowed(found, fitted):
             return found
     return fitted
 
 
-def _inertia(segment: Segment) -> float:
-    """Mean inertia of the joint, kg m^2 (kg), next to what other joints' accelerations load on
-    it."""
-    others = [x for name, x in segment.others.items() if name.endswith(".acceleration")]
-    columns = np.column_stack([segment.signals[:, [A, GX, GY]], *others])[segment.mask]
-    load = segment.signals[segment.mask, LOAD]
-    return float(np.linalg.lstsq(columns, load, rcond=None)[0][0])
+def with_assumed_breakaway(
+    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
+) -> Fit:
+    """The same fit with an assumed breakaway friction Fs, if the logs do not determine it.
+
+    It is that of Coulomb friction, or as little above it as the logs allow.
+
+    Args:
+        covariance: see `with_assumptions`.
+    """
+    shape = fitted.shape
+    if not isinstance(shape, IntegratedShape) or not fitted.has_level:
+        return fitted
+    law = _law(prepared, fitted, covariance)
+    if not (law["Fs_pos"].is_loose or law["Fs_neg"].is_loose):
+        return fitted
+    for excess in _EXCESSES:
+        if excess >= shape.excess:
+            break
+        found = refit(prepared, fitted.effects, shape.with_assumed_breakaway(excess), ROUGH)
+        if _allowed(found, fitted):
+            return found
+    return fitted
+
+
+def _allowed(found: Fit, fitted: Fit) -> bool:
+    """Whether the residual with an assumption is not clearly larger than without."""
+    return found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY)
+
+
+def _law(
+    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
+) -> dict[str, Estimate]:
+    return law_estimates(fitted, covariance(prepared, fitted), prepared.slide)
 
 
 def _holds(fitted: Fit) -> bool:

@@ -42,6 +42,7 @@ class ConstraintShape:
     damped = False
     steps = True
     assumed = True
+    breakaway_assumed = False
     damping = 0.0
 
     @property

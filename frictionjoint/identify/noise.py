@@ -36,7 +36,7 @@ class Noise:
     Attributes:
         torque: one-sided density, (unit of the drive)^2 / Hz.
         frequency: Hz, and position: density of the position noise there, rad^2 / Hz, shape (m,).
-        inertia: drive over acceleration, kg m^2 if the drive is a torque.
+        inertia: drive per acceleration of the joints that move, kg m^2 if the drive is a torque.
         count: encoder step, rad; 0 if the log has none.
     """
 

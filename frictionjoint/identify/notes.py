@@ -40,21 +40,28 @@ def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
 
 
 def assumed_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
-    """Note on an assumed stiffness or damping, or that the law has no Coulomb friction."""
+    """Notes on what is assumed, or that the law has no Coulomb friction."""
     if not fitted.has_level:
         return (
             "These logs show no Coulomb friction: its fitted value is zero. So the model does "
             "not hold the joint at rest. Record "
             "slow constant velocities in both directions, where viscous friction is small.",
         )
-    if fitted.shape.damping:
-        return (
-            "The presliding damping is assumed: these logs do not determine it, and without any "
-            "the joint would ring at rest. It is critical, or as much as the logs allow.",
+    shape = fitted.shape
+    found = []
+    if shape.assumed:
+        found.append(
+            "The presliding stiffness is assumed: these logs do not determine it. It is as high as "
+            "the encoder's resolution and the time step allow, so that the joint sticks."
         )
-    if not fitted.shape.assumed:
-        return ()
-    return (
-        "The presliding stiffness is assumed: these logs do not determine it. It is as high as the "
-        "encoder's resolution and the time step allow, so that the joint sticks.",
-    )
+    if shape.damping:
+        found.append(
+            "The presliding damping is assumed: these logs do not determine it, and without any "
+            "the joint would ring at rest. It is critical, or as much as the logs allow."
+        )
+    if shape.breakaway_assumed:
+        found.append(
+            "The breakaway friction is assumed: these logs do not determine it. It equals Coulomb "
+            "friction, or is as little above it as the logs allow."
+        )
+    return tuple(found)

@@ -8,10 +8,9 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import commands, measures_drive, with_drive
-from frictionjoint.effects.inertia_of_signals import inertia_of
 from frictionjoint.effects.signals import (
     DT,
     GEAR,
@@ -188,7 +187,7 @@ def _segment(
         np.interp(grid, t, motion.q),
         sample,
         count_of(log.position),
-        inertia_of(signals, LOAD) * per_drive,
+        root_mean_square(rigid.coupling) * per_drive,
     )
     found = Segment(
         name=log.name,
@@ -213,6 +212,7 @@ def _segment(
         sample=sample,
         corner_hz=band.motion,
         commanded=commanded,
+        inertia=float(np.mean(rigid.inertia)),
         turned_by_another=others,
     )
     return found.without_limits() if band.sensor_saturates else found

@@ -120,10 +120,10 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
             if at[i] >= 0 and value != values[name]:
                 gradients[name][i] = (value - values[name]) / h
     # Fs and Vs mean little where friction hardly rises above the Coulomb level
-    variables = fitted.shape.variables
-    rises = [value for name, value in zip(variables, x, strict=True) if name.startswith("excess")]
-    flat = bool(rises) and max(rises) <= _FLAT
-    units = units_of(fitted, slide)
+    rises = [x / values["Fc" + name[2:]] for name, x in values.items() if name[:2] == "Fs"]
+    flat = bool(rises) and max(rises) <= 1.0 + _FLAT
+    units, shape = units_of(fitted, slide), fitted.shape
+    assumptions = {"stiffness": shape.assumed, "Fs": shape.breakaway_assumed}
     found = {}
     for name, value in values.items():
         symbol = name.partition("_")[0]
@@ -132,7 +132,7 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
             continue
         on = list(gradients[name])
         by_column = {at[i]: gradients[name][i] * scale[i] for i in on}
-        assumed = fixed or (symbol == "stiffness" and fitted.shape.assumed)
+        assumed = fixed or assumptions.get(symbol, False)
         unknown = not on or assumed or (flat and symbol in ("Vs", "delta"))
         if "T" in UNITS[symbol]:
             by_column |= _of_gain(fitted, value)

@@ -38,6 +38,9 @@ class RigidBodyTorque:
         sag: gravity torque of the link over its inertia, without the joint's armature, rad/s^2;
             zero for a slide joint.
         sway: derivative of `sag` by the position, 1/s^2.
+        inertia: about the joint's axis, with the joint's armature, kg m^2 (kg).
+        coupling: root of the sum of squares of the torques per acceleration of each joint that
+            moves, with the joint's own, kg m^2 (kg).
         unknown: friction outside of the joint that the motion does not determine, N m; None: none.
     """
 
@@ -46,6 +49,8 @@ class RigidBodyTorque:
     gy: Array
     sag: Array
     sway: Array
+    inertia: Array
+    coupling: Array
     unknown: Array | None = None
 
 
@@ -161,7 +166,7 @@ class RigidBody:
         e1, e2 = _across(model.jnt_axis[self.joint_id])
         n = len(position)
         load, turns, frames = np.zeros(n), np.zeros((n, 3)), np.zeros((n, 9))
-        anchors, moments, inertia = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n)
+        anchors, moments, rows = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, len(dofs)))
         unit, column = np.eye(1, model.nv, dof)[0], np.zeros(model.nv)
         moved = _moved(model, body)
         weighs = model.body_mass[moved] * (1.0 - model.body_gravcomp[moved])
@@ -177,25 +182,29 @@ class RigidBody:
             turns[k], frames[k], anchors[k] = axis, frame, anchor
             np.dot(weighs, centres, out=moments[k])
             mujoco.mj_mulM(model, data, column, unit)
-            inertia[k] = column[dof]
+            rows[k] = column[dofs]
         rubbing, unknown = self._of_tendons({j: track[1] for j, track in tracks}, n)
         load += rubbing
+        # a hinge and a slide have no unit in common
+        alike = model.jnt_type[[j for j, _ in tracks]] == model.jnt_type[self.joint_id]
+        inertia, coupling = rows[:, 0].copy(), np.linalg.norm(rows[:, alike], axis=1)
         if self.slide:
             none = np.zeros(n)
-            return RigidBodyTorque(load, none, none, none, none, unknown)
+            return RigidBodyTorque(load, none, none, none, none, inertia, coupling, unknown)
         # torque the joint must supply: -(e x g).axis = -e.(g x axis), e turning with the body
         across = np.cross(model.opt.gravity, turns)
         R = frames.reshape(n, 3, 3)
         gx, gy = (-np.einsum("ni,nij,j->n", across, R, e) for e in (e1, e2))
         # of the moment m: -(m x g).axis, and as the moment turns -((axis x m) x g).axis
         moments -= weighs.sum() * anchors
-        inertia -= self.armature
+        link = inertia - self.armature
         g = model.opt.gravity
         hold = -np.einsum("ni,ni->n", across, moments)
         along = np.einsum("ni,ni->n", turns, moments)
         stiffness = moments @ g - along * (turns @ g)
-        per_inertia = np.divide(1.0, inertia, out=np.zeros(n), where=inertia > 0.0)
-        return RigidBodyTorque(load, gx, gy, hold * per_inertia, stiffness * per_inertia, unknown)
+        per_inertia = np.divide(1.0, link, out=np.zeros(n), where=link > 0.0)
+        sag, sway = hold * per_inertia, stiffness * per_inertia
+        return RigidBodyTorque(load, gx, gy, sag, sway, inertia, coupling, unknown)
 
     def _of_tendons(self, velocity: Mapping[int, Array], n: int) -> tuple[Array, Array | None]:
         """Torque of the Coulomb friction of tendons between joints, and how much of it is unknown.

@@ -77,6 +77,7 @@ class Segment:
         unknown: friction outside of the joint that the motion does not determine, N m, (n,).
         saturated: shape (n,), 1 while a measured drive is at its largest value, -1 at its smallest,
             0 elsewhere; None: it is at neither.
+        inertia: mean inertia about the joint's axis, kg m^2 (kg).
         turned_by_another: start and end of each part that the mask leaves out because another drive
             turns the joint there, s in the log's time.
     """
@@ -100,6 +101,7 @@ class Segment:
     driven_along: Path | None = None
     unknown: Array | None = None
     saturated: Array | None = None
+    inertia: float = 0.0
     turned_by_another: tuple[tuple[float, float], ...] = ()
 
     @cached_property

@@ -41,6 +41,10 @@ class Shape(Protocol):
         """Whether the stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
 
     @property
+    def breakaway_assumed(self) -> bool:
+        """Whether Fs is assumed, see `base_fit.with_assumed_breakaway`."""
+
+    @property
     def damping(self) -> float:
         """sigma1 over Fc that is assumed, s/rad, see `base_fit.with_assumed_damping`."""
 
@@ -146,7 +150,7 @@ class IntegratedShape:
             in (0, 1]; (1, 1) is a straight transition curve.
         form: what a search cannot vary smoothly.
         negative: excess and Vs of negative motion; None: as of positive motion.
-        damped, assumed, damping: see `Shape`.
+        damped, assumed, breakaway_assumed, damping: see `Shape`.
     """
 
     excess: float
@@ -158,15 +162,18 @@ class IntegratedShape:
     negative: tuple[float, float] | None = None
     damped: bool = False
     assumed: bool = False
+    breakaway_assumed: bool = False
     damping: float = 0.0
 
     steps = False
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """Numbers of both directions, then those of the negative one; an assumed length is none."""
+        """Numbers of both directions, then those of the negative one, without what is assumed."""
         names = _BOTH if self.negative is None else (*_BOTH, *_NEGATIVE)
-        return tuple(name for name in names if not (self.assumed and name == _LENGTH))
+        assumed = {_LENGTH: self.assumed, _BOTH[0]: self.breakaway_assumed}
+        assumed[_NEGATIVE[0]] = self.breakaway_assumed
+        return tuple(name for name in names if not assumed.get(name))
 
     def _values(self) -> dict[str, float]:
         """All numbers by name, searched or not."""
@@ -250,6 +257,11 @@ class IntegratedShape:
     def with_assumed_stiffness(self, reach: float) -> Self:
         """The shape with a presliding length of at most `reach`, rad (m), not searched."""
         return replace(self, length=min(reach, self.length), assumed=True)
+
+    def with_assumed_breakaway(self, excess: float) -> Self:
+        """The shape with Fs = (1 + excess) Fc in both directions, not searched."""
+        negative = self.negative and (excess, self.negative[1])
+        return replace(self, excess=excess, negative=negative, breakaway_assumed=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""

@@ -138,10 +138,17 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
 def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     """Write the assumptions into the model as text; the text of an earlier fit is replaced."""
     remove_assumed(spec, joint)
-    if fitted.shape.assumed or fitted.shape.damping:
-        what = "stiffness" if fitted.shape.assumed else "damping"
+    shape = fitted.shape
+    parts = {
+        "the stiffness before sliding": shape.assumed,
+        "the damping before sliding": bool(shape.damping),
+        "the breakaway friction": shape.breakaway_assumed,
+    }
+    assumed = [what for what, is_assumed in parts.items() if is_assumed]
+    if assumed:
         text = spec.add_text()
-        text.name, text.data = f"{ASSUMED}{joint}", f"the {what} before sliding is assumed"
+        text.name = f"{ASSUMED}{joint}"
+        text.data = f"assumed: {', '.join(assumed)}"
 
 
 def replayed_whole(
