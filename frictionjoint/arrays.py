@@ -1,4 +1,4 @@
-"""Types of arrays in signatures, their rms, and other libraries' arrays."""
+"""Types of arrays in signatures, their rounding and rms, and other libraries' arrays."""
 
 from typing import Any, Protocol
 
@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+# of the difference of two numbers in single precision, relative to them
+ROUNDING = 2.0 * float(np.finfo(np.float32).eps)
 
 
 class Vector(Protocol):

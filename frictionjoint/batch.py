@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Index, like
-from frictionjoint.batch_kernel import ROUNDING, ROW, step_all
+from frictionjoint.arrays import ROUNDING, Index, like
+from frictionjoint.batch_kernel import ROW, step_all
 from frictionjoint.errors import ParameterError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import require_parameters

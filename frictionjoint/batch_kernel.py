@@ -17,8 +17,6 @@ from frictionjoint.simulate.row import (
 # a joint's state: time and position as counted here, position given last and the step taken then,
 # the row of `simulate.row`
 CLOCK, PLACE, SHOWN, STEP, ROW = range(5)
-# of the difference of two numbers in single precision, relative to them
-ROUNDING = 2.0**-22
 
 
 @compiled

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array, Index, like
-from frictionjoint.batch_kernel import ROUNDING, step_joint
+from frictionjoint.arrays import ROUNDING, Array, Index, like
+from frictionjoint.batch_kernel import step_joint
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.errors import ParameterError
 from frictionjoint.translate.warp import translate

@@ -16,26 +16,30 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled, in_line
 
-# drive per rad, per rad s, per rad/s; per rad/s of the target
-KP, KI, KD, KFF = range(4)
-# V at full duty; 1 where the output is no duty
-SUPPLY = 4
-# limit of |u|; dead band, rad, and its form; s between ticks; rad per count
-LIMIT, DEADBAND, SHIFTED, PERIOD, COUNT = range(5, 10)
-# whether the velocity is the difference of counts between ticks
-DIFFERENTIATED = 10
-# protection: thresholds of the error, rad, and of u; remaining fraction of u
-DROP_ERROR, DROP_OUTPUT, DROP_LEFT = 11, 12, 13
-# for a duty: supply resistance relative to the winding's, and back-EMF, V s/rad
-SAG, SAG_EMF = 14, 15
-# speed limit of the target, rad/s
-SLEW = 16
-# 1 where there is no controller: the target is the drive itself, as it was measured
-MEASURED = 17
-BLOCK = 18
+(
+    KP,  # drive per rad
+    KI,  # per rad s
+    KD,  # per rad/s
+    KFF,  # per rad/s of the target
+    SUPPLY,  # V at full duty; 1 where the output is no duty
+    LIMIT,  # of |u|
+    DEADBAND,  # rad
+    SHIFTED,  # form of the dead band
+    PERIOD,  # s between ticks
+    COUNT,  # rad
+    DIFFERENTIATED,  # whether the velocity is the difference of counts between ticks
+    DROP_ERROR,  # error at which the protection acts, rad
+    DROP_OUTPUT,  # |u| at which it acts
+    DROP_LEFT,  # remaining fraction of u
+    SAG,  # for a duty: supply resistance relative to the winding's
+    SAG_EMF,  # and back-EMF, V s/rad
+    SLEW,  # speed limit of the target, rad/s
+    MEASURED,  # 1 where there is no controller: the target is the drive itself, as measured
+) = range(18)
+BLOCK = MEASURED + 1
 
 STARTED, TICK, HELD, INTEGRAL, SEEN, TARGET = range(6)
-STATE = 6
+STATE = TARGET + 1
 
 
 @in_line

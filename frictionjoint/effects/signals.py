@@ -22,9 +22,9 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 
-TIME, Q, V, A, SAG, SWAY, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE, GEAR, MOTOR, ASKED = range(17)
-LOSS, HALT = 17, 18
-N_SIGNALS = 19
+TIME, Q, V, A, SAG, SWAY, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE = range(14)
+GEAR, MOTOR, ASKED, LOSS, HALT = range(RATE + 1, RATE + 6)
+N_SIGNALS = HALT + 1
 
 
 def parts_of_load(signals: Array) -> Array:

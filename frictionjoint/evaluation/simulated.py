@@ -17,8 +17,7 @@ from frictionjoint.evaluation.torque import Along
 from frictionjoint.measured.first_velocity import first_velocity
 from frictionjoint.mujoco_warnings import became_unstable
 from frictionjoint.replay.prescribed_motion import Prescribed
-
-WINDOW_S = 0.5
+from frictionjoint.replay.windows import WINDOW_S
 
 
 def windows_of(recording: Recording) -> int:

@@ -18,9 +18,9 @@ from frictionjoint.compiled import in_line
 from frictionjoint.law.stribeck import SIGMA2
 
 FH, RATE, DIRECTION = range(3)
-HEADER = 3
+HEADER = DIRECTION + 1
 
-SIGMA1, POSITIVE = 0, 1
+SIGMA1, POSITIVE = range(2)
 NEGATIVE = POSITIVE + 5
 OWN = NEGATIVE + 5
 

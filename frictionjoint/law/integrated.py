@@ -56,11 +56,11 @@ SHORT = 1e-6
 LOST = 1e-13
 
 # Layout of P[p:]; a direction block is Fs, Fc, Vs, delta, sigma2 (see stribeck).
-LAMPAERT, MASING, EXPONENT, SIGMA1, POSITIVE = 0, 1, 2, 3, 4
+LAMPAERT, MASING, EXPONENT, SIGMA1, POSITIVE = range(5)
 NEGATIVE = POSITIVE + 5
 KNOTS = NEGATIVE + 5
 
-_KNOT, _CLOSING, _RESET = 0, 1, 2
+_KNOT, _CLOSING, _RESET = range(3)
 
 
 @compiled

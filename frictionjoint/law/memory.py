@@ -25,7 +25,7 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 
 FH, FB, DIRECTION, N_MIN, N_MAX, VIRGIN, RATE, FORGOTTEN, BOUND = range(9)
-HEADER = 9
+HEADER = BOUND + 1
 CAPACITY = 24
 
 

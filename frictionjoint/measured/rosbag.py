@@ -33,7 +33,7 @@ _COMMANDS = (
     "std_msgs/msg/Float64MultiArray",
 )
 # rows of a joint: ns, then these
-_POSITION, _VELOCITY, _EFFORT, _TARGET = 1, 2, 3, 4
+_POSITION, _VELOCITY, _EFFORT, _TARGET = range(1, 5)
 _Rows = dict[str, list[tuple[float, ...]]]
 
 

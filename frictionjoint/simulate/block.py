@@ -31,7 +31,7 @@ from frictionjoint.simulate.row import row_size
 MAGIC = 199797.0
 VERSION = 1.0
 RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
-HEAD = 9
+HEAD = EFFECTS + 1
 REFUSED = -1.0
 TAG = "frictionjoint:"
 

@@ -26,9 +26,10 @@ from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, 
 # rad (m): displacements between which friction comes to hold a joint at rest, and how often the
 # range is halved
 _STRAIN, _FURTHEST, _HALVINGS = 1e-9, 1.0, 40
-# rows of `Load.numbers`
-INERTIA, COS, SIN, REST, GX, GY = 0, 1, 2, 3, 4, 7
-ROWS = 10
+# rows of `Load.numbers`; mean, cosine and sine of each unit torque
+INERTIA, COS, SIN, REST, GX = range(5)
+GY = GX + 3
+ROWS = GY + 3
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ STARTED, T_COMMITTED, Q_COMMITTED, V_COMMITTED, TORQUE_COMMITTED, GAIN_COMMITTED
 T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, GAIN, BASE, WRITTEN = range(6, 13)
 # time steps
 LEAP = 3.0
-FRONT = 13
+FRONT = WRITTEN + 1
 # mjMAXVAL: a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
 ASTRAY = 1e10
 # h^2 K / J at which half of a spring is implicit: a soft one loses less energy explicitly, a stiff

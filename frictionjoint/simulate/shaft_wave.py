@@ -24,9 +24,10 @@ from frictionjoint.simulate.model_view import ModelView, names_of, tagged_numeri
 SHAFT = 199798.0
 SHAFT_TAG = "frictionjoint-shaft:"
 _VERSION = 1.0
-_RESOLVED, _QPOS, _DOF, _OTHER_QPOS, _OTHER_DOF, _RATIO = 2, 3, 4, 5, 6, 7
-_WAVES, _SIN, _COS, _TURNS_OVER = 8, 9, 10, 11
-_SIZE = 12
+_RESOLVED, _QPOS, _DOF, _OTHER_QPOS, _OTHER_DOF, _RATIO, _WAVES, _SIN, _COS, _TURNS_OVER = range(
+    2, 12
+)
+_SIZE = _TURNS_OVER + 1
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ small to show, back in larger ones. So while the position shown moves, `PLACE` i
 import functools
 from typing import Any
 
+from frictionjoint.arrays import ROUNDING
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, QPOS
 from frictionjoint.simulate.joint_effects import coupled_load, effects_torque, unit_gravity
@@ -41,8 +42,6 @@ from frictionjoint.translate.warp import translate
 # a row of state: time and position as mujoco_warp showed them last, the same as we count them, and
 # the row of `simulate.row`
 TIME_SHOWN, CLOCK, PLACE_SHOWN, PLACE, FRONT = range(5)
-# of the difference of two numbers in single precision, relative to them
-ROUNDING = 2.0**-22
 # of its distance from the position shown that our place goes in a step in which that moves
 PULL = 0.01
 

@@ -12,12 +12,17 @@ from frictionjoint.compiled import External, Table, pointer
 from frictionjoint.translate.kernel import Kernel, built_in, is_kernel, is_shape, place, signature
 from frictionjoint.translate.kinds import DOUBLE, REALS, WHOLE, Dialect, elements, is_tuple, row_of
 
-_BINARY = {ast.Add: ("+", 4), ast.Sub: ("-", 4), ast.Mult: ("*", 5), ast.Div: ("/", 5)}
+# precedence of operators
+_CHOICE, _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _UNARY, _ATOM = range(8)
+_BINARY = {
+    ast.Add: ("+", _SUM),
+    ast.Sub: ("-", _SUM),
+    ast.Mult: ("*", _PRODUCT),
+    ast.Div: ("/", _PRODUCT),
+}
 _WHOLE_BINARY = {ast.BitAnd: "&", ast.BitOr: "|", ast.RShift: ">>", ast.LShift: "<<"}
 _FLOOR = {ast.FloorDiv: "floor_div", ast.Mod: "floor_mod"}
 _COMPARE = {ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
-# precedence of operators, on the same scale as the numbers in _BINARY
-_CHOICE, _OR, _AND, _COMPARISON, _SUM, _UNARY, _ATOM = 0, 1, 2, 3, 4, 6, 7
 _HELPED = {"exp", "log", "expm1", "log1p", "sin", "cos", "tan", "atan", "tanh", "sqrt", "ceil"}
 _MORE = {"copysign", "hypot", "atan2", "floor", "asin", "acos", "fabs", "pow", "fmod"}
 _LIBRARY = {"exp", "log"}
