@@ -8,6 +8,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint import close_loop, uninstall
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.base_fit import (
     base_fit,
     shortest,
@@ -15,7 +16,6 @@ from frictionjoint.identify.base_fit import (
     with_assumed_damping,
     with_assumed_stiffness,
 )
-from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.notes import assumed_note
 from frictionjoint.identify.prepare import prepare

@@ -9,7 +9,7 @@ from servo_plant import KNOWN, PLANT, logs, sines
 
 from frictionjoint.control import Controller
 from frictionjoint.control.kernel_numbers import block_of
-from frictionjoint.diagnose.decisions import DRIVE_DISCREPANCY
+from frictionjoint.decisions import DRIVE_DISCREPANCY
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.effects import drive_limit

@@ -9,7 +9,7 @@ from plants.plant import simulate, write
 from plants.spec import Effect, Motion
 from trial_logs import PENDULUM, prepared_logs
 
-from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.library import effects
 from frictionjoint.diagnose.notes import notes
 from frictionjoint.diagnose.sight import smallest

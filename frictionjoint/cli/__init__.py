@@ -28,7 +28,7 @@ from frictionjoint.errors import FrictionJointError
 
 # what was warned of in this run
 _warned: set[str] = set()
-_INTERRUPTED = 130
+_INTERRUPTED = 128 + signal.SIGINT
 # click's error of wrong usage, wherever this version of typer keeps click
 _UsageError: Any = typer.BadParameter.__base__
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
 
-from frictionjoint.diagnose.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
+from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.moves import Look, Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import apart, needed, numbers_of

@@ -3,8 +3,8 @@
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import SURELY
 from frictionjoint.diagnose.candidate import comes_first, is_unnamed
-from frictionjoint.diagnose.decisions import SURELY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.segment import Prepared

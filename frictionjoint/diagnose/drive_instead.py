@@ -9,8 +9,8 @@ from functools import partial
 
 import numpy as np
 
+from frictionjoint.decisions import APART
 from frictionjoint.diagnose.candidate import Candidate, without_columns
-from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen

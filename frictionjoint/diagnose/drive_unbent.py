@@ -9,7 +9,7 @@ starts.
 
 import numpy as np
 
-from frictionjoint.diagnose.decisions import SMALLEST_GAIN
+from frictionjoint.decisions import SMALLEST_GAIN
 from frictionjoint.diagnose.drive import Driven, Ranked, judged
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.other_laws import forms_like

@@ -16,19 +16,16 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import CONCENTRATED
 from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.decisions import CONCENTRATED
 from frictionjoint.eigenvalues import eigh
-from frictionjoint.identify.basis import pseudo_inverse, without
+from frictionjoint.identify.basis import DEPENDENT, pseudo_inverse, without
 from frictionjoint.identify.blocks import Blocks, Folds, whitened
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.timing import Timing
 
 Columns = NDArray[np.int64]
-
-# directions of a set of columns below this fraction of the largest count as dependent
-_RCOND = 1e-8
 
 
 @dataclass(frozen=True)
@@ -92,7 +89,7 @@ class Screen:
         if not begun.any():
             return grams
         total = grams.sum(axis=0)
-        inverse = pseudo_inverse(total[np.ix_(begun, begun)], _RCOND)
+        inverse = pseudo_inverse(total[np.ix_(begun, begun)])
         less = np.eye(len(begun))[:, ~begun]
         less[begun] = -inverse @ total[np.ix_(begun, ~begun)]
         return np.asarray(less.T @ grams @ less)
@@ -117,7 +114,7 @@ class Screen:
             A: Gram matrices, shape (B, k, k). b: products with the target, shape (B, k).
         """
         folds = self._folds(A)
-        inverse = pseudo_inverse(A.sum(axis=0) - folds.sums(A), _RCOND)
+        inverse = pseudo_inverse(A.sum(axis=0) - folds.sums(A))
         sums = b.sum(axis=0) - folds.sums(b)
         return np.asarray((inverse @ sums[..., None])[folds.place, :, 0])
 
@@ -135,7 +132,7 @@ class Screen:
         scale = np.sqrt(np.maximum(np.einsum("pii->pi", G[:, :-1, :-1]), 1e-300))
         inside = G[:, :-1, :-1] / (scale[:, :, None] * scale[:, None, :])
         b = G[:, :-1, -1] / scale
-        inverse = pseudo_inverse(inside, _RCOND)
+        inverse = pseudo_inverse(inside)
         found = np.einsum("pi,pij,pj->p", b, inverse, b)
         return np.asarray(found - 2.0 * (k - 1) * G[:, -1, -1] / self.blocks.count)
 
@@ -158,7 +155,7 @@ def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
     """
     scale = np.sqrt(np.maximum(np.diagonal(A, axis1=1, axis2=2), 1e-300))
     inside = A / (scale[:, :, None] * scale[:, None, :])
-    inverse = pseudo_inverse(inside, _RCOND)
+    inverse = pseudo_inverse(inside)
     beta = (inverse @ (b / scale)[..., None])[..., 0] / scale
     for f in np.flatnonzero(np.any((beta < low) | (beta > high), axis=1)):
         beta[f] = _bounded(inside[f], b[f] / scale[f], low * scale[f], high * scale[f]) / scale[f]
@@ -168,7 +165,7 @@ def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
 def _bounded(A: Array, b: Array, low: Array, high: Array) -> Array:
     """Coefficients within their ranges, for those whose free solution is not."""
     values, vectors = eigh(A)
-    roots = np.sqrt(np.maximum(values, _RCOND * values.max()))
+    roots = np.sqrt(np.maximum(values, DEPENDENT * values.max()))
     rows, target = roots[:, None] * vectors.T, vectors.T @ b / roots
     return np.asarray(lsq_linear(rows, target, (low, high), method="bvls").x)
 

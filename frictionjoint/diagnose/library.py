@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import LEAST_WARMING, SMALLEST_GAIN
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.columns import columns_of, signals_of
-from frictionjoint.diagnose.decisions import LEAST_WARMING, SMALLEST_GAIN
 from frictionjoint.diagnose.short_waves import nearly_curves, short_waves
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS

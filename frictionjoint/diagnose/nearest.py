@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.diagnose.state import State, without
-from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared

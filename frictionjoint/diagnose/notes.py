@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.decisions import SURELY
+from frictionjoint.decisions import SURELY
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.sight import Smallest
 from frictionjoint.effects.signals import Q

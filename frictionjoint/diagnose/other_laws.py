@@ -10,9 +10,9 @@ import numpy as np
 from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.base_fit import CONSTRAINT, better_form
 from frictionjoint.identify.basis import without
-from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.decisions import DISCREPANCY, SURELY, TIE
+from frictionjoint.decisions import DISCREPANCY, SURELY, TIE
 from frictionjoint.identify.basis import without
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.design import lengths

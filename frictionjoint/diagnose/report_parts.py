@@ -22,6 +22,7 @@ from frictionjoint.identify.start import Prediction, predict
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.replay.free_runs import Replay
 from frictionjoint.replay.loops import LoopErrors
+from frictionjoint.replay.windows import WINDOW_S
 from frictionjoint.report.joint_report import (
     Added,
     Curve,
@@ -33,8 +34,6 @@ from frictionjoint.report.joint_report import (
     SimulatedPosition,
 )
 
-# length of the blocks of an rms's interval, s
-_BLOCK_S = 0.5
 # blocks whose spread tells something
 _FEWEST_BLOCKS = 5
 
@@ -60,7 +59,7 @@ def intervals(prepared: Prepared, found: Trace) -> Intervals | None:
     """Intervals of the torque's rms error before and after; None if there are too few blocks."""
     pair = []
     first = prepared.segments[0]
-    length = max(1, round(_BLOCK_S / (first.dt * first.step)))
+    length = max(1, round(WINDOW_S / (first.dt * first.step)))
     for fitted in (found.base, found.final):
         e = _errors(prepared, fitted, found.final.scale)
         block = np.arange(len(e)) // length

@@ -21,8 +21,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from frictionjoint.decisions import MOSTLY, SIGNIFICANCE, TIE
 from frictionjoint.diagnose.candidate import comes_first
-from frictionjoint.diagnose.decisions import MOSTLY, SIGNIFICANCE, TIE
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding

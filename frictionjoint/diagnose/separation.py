@@ -20,8 +20,6 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
-_RCOND = 1e-9
-
 
 class Noise:
     """Autocovariance of a fit's residual with Bartlett's weights (Newey and West 1987).
@@ -153,7 +151,7 @@ def _left(sums: Moments, target: int, on: NDArray[np.int64]) -> tuple[float, flo
     G, S = (x / np.outer(scale, scale) for x in (sums.gram, sums.noise))
     w = np.zeros(len(G))
     w[target] = 1.0
-    w[on] = -pseudo_inverse(G[np.ix_(on, on)], _RCOND) @ G[on, target]
+    w[on] = -pseudo_inverse(G[np.ix_(on, on)]) @ G[on, target]
     square = scale[target] ** 2
     return max(0.0, float(w @ G @ w)) * square, max(0.0, float(w @ S @ w)) * square
 
@@ -173,7 +171,7 @@ def with_further(covariance: Array, jacobian: Array, further: Moments) -> Array:
     dead = scale <= 0.0
     scale[dead] = 1.0
     both = np.outer(scale, scale)
-    bread = pseudo_inverse(total / both, _RCOND) / both
+    bread = pseudo_inverse(total / both) / both
     found = np.asarray(bread @ (old @ known @ old + further.noise) @ bread)
     found[dead, dead] = np.inf
     return found

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from frictionjoint.decisions import APART
 from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.decisions import APART
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.special import chdtri
 
 from frictionjoint.arrays import root_mean_square
+from frictionjoint.decisions import APART, DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.decisions import APART, DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.identify.blocks import Blocks, correlation_time
 from frictionjoint.identify.fit import Fit

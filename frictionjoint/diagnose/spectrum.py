@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.decisions import APART
+from frictionjoint.decisions import APART
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import LOAD, TIME, A, H, Q, V

@@ -3,14 +3,14 @@
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.decisions import (
+from frictionjoint.decisions import (
     APART,
     DISCREPANCY,
     DRIVE_DISCREPANCY,
     SMALLEST_GAIN,
     TIE,
 )
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.moves import Look

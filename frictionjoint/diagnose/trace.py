@@ -14,13 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, rivals_of
-from frictionjoint.diagnose.decisions import (
+from frictionjoint.decisions import (
     APART,
     SMALLEST_GAIN,
     TIE,
 )
+from frictionjoint.diagnose.candidate import Candidate
+from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, rivals_of
 from frictionjoint.diagnose.drive import Driven, look_at_drive, part_left
 from frictionjoint.diagnose.drive_instead import exchange_for_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive

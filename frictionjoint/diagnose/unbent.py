@@ -11,12 +11,11 @@ that explain much more at such a start than the best fit of the law alone.
 
 from collections.abc import Sequence
 
-from frictionjoint.diagnose.decisions import DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.decisions import CLEARLY, DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.moves import Look, Looked, Move
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
-from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.search import Place

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from frictionjoint.diagnose.decisions import AS_WHITE, AT_THE_FLOOR
+from frictionjoint.decisions import AS_WHITE, AT_THE_FLOOR
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.identify.blocks import correlation_time
 from frictionjoint.identify.fit import Fit

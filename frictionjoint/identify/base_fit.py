@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.effects.signals import A
-from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters

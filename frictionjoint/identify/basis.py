@@ -6,6 +6,10 @@ from scipy.linalg import qr
 from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 
+# eigenvalues of a Gram matrix of columns below this fraction of the largest count as zero: those
+# columns depend on each other
+DEPENDENT = 1e-8
+
 
 def orthonormal(X: Array) -> Array:
     """Orthonormal basis of the columns of X, shape (n, rank).
@@ -21,7 +25,7 @@ def orthonormal(X: Array) -> Array:
     return np.asarray(basis[:, sizes > 1e-5 * sizes[0]])
 
 
-def pseudo_inverse(A: Array, rcond: float) -> Array:
+def pseudo_inverse(A: Array, rcond: float = DEPENDENT) -> Array:
     """Pseudo-inverse of symmetric matrices, shape (..., k, k), twice as fast as
     `numpy.linalg.pinv`.
 

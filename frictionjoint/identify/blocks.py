@@ -24,12 +24,12 @@ from frictionjoint.identify.segment import Prepared
 
 Index = NDArray[np.int64]
 
-_FEWEST_BLOCKS = 48
+FEWEST_BLOCKS = 48
 _MOST_BLOCKS = 240
-_CORRELATION_TIMES = 5.0
+CORRELATION_TIMES = 5.0
 _AR_ORDER = 6
 # logs from which on a fold is a log, and kinds of motion where there are fewer
-_LOGS, _KINDS = 3, 4
+LOGS, KINDS = 3, 4
 # times that the blocks are cut into two halves
 _HALVES = 50
 
@@ -191,7 +191,7 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
     logs = np.unique(log_index)
     longest = max(correlation_time(e[log_index == i]) for i in logs)
     n = len(e)
-    length = int(np.clip(_CORRELATION_TIMES * longest, n / _MOST_BLOCKS, n / _FEWEST_BLOCKS))
+    length = int(np.clip(CORRELATION_TIMES * longest, n / _MOST_BLOCKS, n / FEWEST_BLOCKS))
     of_sample = np.empty(n, dtype=np.int64)
     log: list[int] = []
     halves: list[int] = []
@@ -202,7 +202,7 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
         of_sample[where] = own + len(log)
         halves += [int(2 * b >= k) for b in range(k)]
         log += [int(i)] * k
-    if len(logs) < _LOGS:
+    if len(logs) < LOGS:
         fold = _kinds(prepared, of_sample)
     # similar logs do not test each other: with many logs they share a fold
     elif len(logs) < 8:
@@ -226,4 +226,4 @@ def _kinds(prepared: Prepared, of_sample: Index) -> Index:
         return np.asarray(np.bincount(of_sample, x) / count)
 
     rows = np.column_stack([np.sqrt(mean(v**2)), np.sqrt(mean(a**2)), mean(q), mean(np.sign(v))])
-    return kinds_of(rows, _KINDS)
+    return kinds_of(rows, KINDS)

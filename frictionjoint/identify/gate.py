@@ -326,7 +326,7 @@ def _regression(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Ar
 
 def _errors(X: Array, residual: Array, block: NDArray[np.int64]) -> Array:
     """Covariance of the coefficients of X, by blocks."""
-    bread = pseudo_inverse(X.T @ X, 1e-12)
+    bread = pseudo_inverse(X.T @ X)
     scores = np.zeros((_BLOCKS, X.shape[1]))
     np.add.at(scores, block, X * residual[:, None])
     return np.asarray(bread @ (scores.T @ scores) @ bread)

@@ -10,7 +10,7 @@ an asymmetry of the friction.
 
 from dataclasses import replace
 
-from frictionjoint.identify.clearly import CLEARLY
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import ROUGH, refit

@@ -17,12 +17,11 @@ from scipy.signal import welch
 from scipy.stats import chi2
 
 from frictionjoint.arrays import Array
+from frictionjoint.measured.derivatives import SAME_POSITION
 from frictionjoint.measured.lowpass import gentle
 
 # part of the spectrum that is taken to hold noise alone, over the sampling frequency
 _ABOVE = (0.25, 0.45)
-# fraction of the travel by which one position, computed twice, may differ
-_ROUNDING = 1e-12
 _WINDOW = 4096
 # counts up to which two positions are near, and how far from whole numbers of them they may lie:
 # any differences lie a quarter off on average
@@ -100,7 +99,7 @@ def count_of(position: Array) -> float:
         0 if there is no such step.
     """
     apart = np.diff(np.unique(position))
-    apart = apart[apart > _ROUNDING * np.ptp(position)]
+    apart = apart[apart > SAME_POSITION * np.ptp(position)]
     if not apart.size:
         return 0.0
     step = float(np.mean(apart[apart < 1.5 * apart.min()]))

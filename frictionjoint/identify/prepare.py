@@ -35,12 +35,12 @@ from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import A_BALANCE, Band, Drive, Prepared, Segment, clear_of
 from frictionjoint.identify.zero_order_hold import holds, of_drive
-from frictionjoint.measured.derivatives import motion_band, on_a_grid, uniform
+from frictionjoint.measured.derivatives import LEAST_HZ, motion_band, on_a_grid, uniform
 from frictionjoint.measured.log import JointLog
 
-# the balance: least and largest corner in Hz. Friction and the effects of the catalogue act below
-# the second; above it only time is spent.
-_LEAST_HZ, _MOST_HZ = 5.0, 60.0
+# the largest corner of the balance, Hz. Friction and the effects of the catalogue act below; above
+# only time is spent.
+_MOST_HZ = 60.0
 
 
 def prepare(
@@ -82,7 +82,7 @@ def prepare(
         bands = [motion_band(*on_a_grid(log)[1:]) for log in logs]
         # a servo's logs are many and short, and a corrupt one must not widen the band of all
         over_logs = np.max if all(measured) else np.median
-        corner = max(float(over_logs([m.whole for m in bands])), 2.0 * _LEAST_HZ)
+        corner = max(float(over_logs([m.whole for m in bands])), 2.0 * LEAST_HZ)
         main = float(over_logs([m.main for m in bands]))
         along = motions(corner, held=False)
         wide = Band(corner / 2.0, corner)
@@ -110,7 +110,7 @@ def _may_be_held(segments: Sequence[Segment], band: Band) -> bool:
 def _balance_hz(segments: Sequence[Segment], main: float, motion: float) -> float:
     """Corner of the balance: as high as the noise allows, but high enough for the motion."""
     most = min(_MOST_HZ, motion / 2.0)
-    least = min(max(_LEAST_HZ, main), most)
+    least = min(max(LEAST_HZ, main), most)
     slowest = max(s.sample for s in segments)
     # 16 samples per period of the corner: a torque that a controller holds for a sample is lower by
     # 0.6% there, and not every log shows whether it is held

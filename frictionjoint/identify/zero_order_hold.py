@@ -16,8 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
-from frictionjoint.identify.clearly import CLEARLY
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
 from frictionjoint.identify.segment import Segment
 

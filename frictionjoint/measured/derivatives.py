@@ -19,8 +19,10 @@ from frictionjoint.measured.lowpass import LowPass, steep
 
 # Highest corner: four fifths of the Nyquist frequency leaves the filter room to fall.
 HIGHEST = 0.4
+# fraction of the travel by which one position, computed twice, may differ
+SAME_POSITION = 1e-12
 # the least corner, Hz, which keeps the edges of friction
-_LEAST_HZ = 5.0
+LEAST_HZ = 5.0
 # lowest frequency of the position noise over the corner of the motion, where the spectrum holds it,
 # and samples per spectrum
 _NOISE_FROM, _NOISE_SAMPLES = 1.5, 512
@@ -72,8 +74,7 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     pieces = Akima1DInterpolator(time, position, method="makima")
     smooth = np.asarray(pieces(np.clip(grid, time[0], time[-1])))
     apart = np.diff(np.sort(position))
-    # one position, computed twice, may differ by rounding
-    count = float(apart[apart > 1e-12 * np.ptp(position)].min(initial=np.inf))
+    count = float(apart[apart > SAME_POSITION * np.ptp(position)].min(initial=np.inf))
     bend = root_mean_square(smooth - straight)
     return smooth if bend > count / np.sqrt(12.0) else straight
 
@@ -100,7 +101,7 @@ def motion_band(position: Array, dt: float) -> MotionBand:
     grown = np.cumsum((power * f**2)[below])
     # the motion ends where 99% of the velocity's power is below
     main = f[below][int(np.searchsorted(grown, 0.99 * grown[-1]))] if below.any() else f[0]
-    whole = float(np.clip(2.0 * valley, _LEAST_HZ, HIGHEST / dt))
+    whole = float(np.clip(2.0 * valley, LEAST_HZ, HIGHEST / dt))
     return MotionBand(min(float(main), whole), whole)
 
 
@@ -152,7 +153,7 @@ def followed(log: JointLog) -> Derivatives:
     _, position, dt = on_a_grid(log)
     highest = HIGHEST / dt
     # a third of an octave apart where the log has 200 Hz
-    bands = np.geomspace(min(_LEAST_HZ, highest), highest, 12)
+    bands = np.geomspace(min(LEAST_HZ, highest), highest, 12)
     motions = [differentiate(log, band) for band in bands]
     left = np.array([np.mean((motion.position - position) ** 2) for motion in motions])
     left /= (1.0 - 2.0 * bands * dt) ** 2

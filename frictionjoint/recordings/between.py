@@ -13,11 +13,12 @@ import numpy as np
 from scipy.stats import f, t
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.recordings.estimate import Estimates
 from frictionjoint.recordings.variances import moderated
 
-# largest p-value at which recordings are said to differ, and at which a cause is named
-_SURE, _CAUSED = 0.05, 0.01
+# largest p-value at which a cause of differences is named
+_CAUSED = 0.01
 # least number of recordings to name a cause, and fraction of the variance that it must explain
 _FEWEST, _EXPLAINED = 6, 0.5
 
@@ -82,7 +83,7 @@ def between(
     errors = 1.0 / float(np.sum(stderr**-2.0))
     added = 1.0 / float(w.sum()) - errors
     cause, slope = "", 0.0
-    if p_value < _SURE and k >= _FEWEST:
+    if p_value < SIGNIFICANCE and k >= _FEWEST:
         cause, slope = _cause(value, stderr, deviation, causes or {})
     return Between(
         mean,

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from scipy.stats import t
 
+from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.errors import ParameterError
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
@@ -21,9 +22,9 @@ from frictionjoint.refine.posterior import Posterior
 from frictionjoint.report.joints import read_joint
 
 State = Literal["confirmed", "changed", "not resolvable"]
-# probability of a false alarm over all parameters; relative change that must be detectable;
+# relative change that must be detectable;
 # fraction of the information that must come from the new logs
-_ALARM, _NOTICED, _INFORMED = 0.05, 0.5, 0.75
+_NOTICED, _INFORMED = 0.5, 0.75
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
     def state(before: float, now: float, sd: float, blind: bool, dof: float) -> State:
         if blind:
             return "not resolvable"
-        limit = float(t.isf(_ALARM / (2.0 * tested), dof))
+        limit = float(t.isf(SIGNIFICANCE / (2.0 * tested), dof))
         return "changed" if abs(now - before) > limit * sd else "confirmed"
 
     return [Drift(*row[:4], state=state(*row[1:])) for row in rows]

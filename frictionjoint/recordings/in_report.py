@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from frictionjoint.control.reconstruct import with_known_drive
+from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import FrictionJointError, ParameterError
 from frictionjoint.identify.held import Pose
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 # least number of recordings for a comparison
 FEWEST = 3
-_SURE = 0.05
 # least fraction of the information on a parameter that must come from each recording
 _INFORMED = 0.5
 _MEASURED = {
@@ -58,7 +58,7 @@ def with_recordings(
             continue
         rows.append(_row(number.name, between, own, i))
         # one false alarm in twenty reports, over all parameters
-        if between.p_value < _SURE / len(known.numbers) and between.deviation > 0.0:
+        if between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > 0.0:
             column = np.zeros((len(known.cov), 1))
             column[list(number.indices)] = between.deviation
             columns.append(column)

@@ -31,10 +31,9 @@ from frictionjoint.measured.derivatives import differentiate, followed
 from frictionjoint.measured.first_velocity import first_velocity
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import Replay, motor_of, simulated_effects
+from frictionjoint.replay.windows import LONGEST_STEP
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
 
-# s, longest step of a simulation
-_STEP = 1e-3
 # of a step, by which a number of steps may be off a whole one
 _WHOLE = 1e-6
 
@@ -218,10 +217,10 @@ def _step(duration: float, period: float) -> float:
     For a controller faster than the log, the step is a multiple of the tick.
     """
     if period == 0.0:
-        return duration / max(1, math.ceil(duration / _STEP - _WHOLE))
-    if period > _STEP:
-        return period / math.ceil(period / _STEP - _WHOLE)
-    return period * math.floor(_STEP / period + _WHOLE)
+        return duration / max(1, math.ceil(duration / LONGEST_STEP - _WHOLE))
+    if period > LONGEST_STEP:
+        return period / math.ceil(period / LONGEST_STEP - _WHOLE)
+    return period * math.floor(LONGEST_STEP / period + _WHOLE)
 
 
 def _load(body: RigidBody, velocity: Array, others: dict[str, tuple[Array, Array, Array]]) -> Load:

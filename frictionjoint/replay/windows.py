@@ -20,9 +20,10 @@ from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor
 
+# s, length of a run; errors of different runs are independent
 WINDOW_S = 0.5
-# Fine enough for presliding at usual stiffness; a log sampled finer than this sets the step.
-_LONGEST_STEP = 1e-3
+# s, longest step of a simulation, fine enough for presliding at usual stiffness
+LONGEST_STEP = 1e-3
 
 
 class Windows:
@@ -62,7 +63,7 @@ class Windows:
             if all(f"{n}.{kind}" in others for kind in kinds)  # others are signals
         }
         self._length = max(2, round(WINDOW_S / self._dt))
-        self._substeps = max(1, int(np.ceil(self._dt / _LONGEST_STEP)))
+        self._substeps = max(1, int(np.ceil(self._dt / LONGEST_STEP)))
 
     def errors(self) -> Array:
         """Simulated minus measured position, rad (m), shape (n, joints); NaN where nothing was

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.control.controller import Controller
+from frictionjoint.decisions import HARM
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import toml_document
 from frictionjoint.identify.result import Estimate
@@ -29,8 +30,6 @@ Verdict = Literal["explained", "partly-explained", "no-effect-found", "too-short
 Interval = tuple[float, float]
 Intervals = tuple[Interval, Interval]
 SCHEMA = "frictionjoint/report-1"
-# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
-HARM = 0.05
 
 
 @dataclass(frozen=True)

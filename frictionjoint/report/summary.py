@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from frictionjoint.decisions import AT_THE_FLOOR, SIGNIFICANCE
 from frictionjoint.report.error_figures import (
     STAGES,
     ErrorRow,
@@ -28,10 +29,8 @@ from frictionjoint.report.wording import listed, quantity, three
 
 Content = Mapping[str, Any]
 
-# a remaining error up to this multiple of the noise is hardly more than the noise
-AT_THE_NOISE = 1.5
 # a significant candidate is mentioned from this part of the squared residual on
-_SUSPECT, _SIGNIFICANT = 0.1, 0.05
+_SUSPECT = 0.1
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ class Summary:
         """Candidates that are significant but too small to be added, if nothing was added."""
         if self.effects or not self.steps:
             return ()
-        return tuple(c for c in self.steps[-1] if c.gain >= _SUSPECT and c.p_value <= _SIGNIFICANT)
+        return tuple(c for c in self.steps[-1] if c.gain >= _SUSPECT and c.p_value <= SIGNIFICANCE)
 
     @property
     def covered(self) -> str:
@@ -188,7 +187,7 @@ def _missing(s: Summary) -> str:
     after = next((e for e in s.errors if e.unit == s.units[0] and e.stage == "after"), None)
     error = after.values[s.role] if after else None
     times = ""
-    if noise and error is not None and error > AT_THE_NOISE * noise:
+    if noise and error is not None and error > AT_THE_FLOOR * noise:
         times = f" The remaining error is {error / noise:.2g} times the noise of the instruments."
     elif s.verdict == "partly-explained" and s.effects:
         times = " The remaining error is not noise: it keeps its sign for longer than noise does."
@@ -207,7 +206,7 @@ def _missing(s: Summary) -> str:
                 f"nothing for certain; {best.title} would explain {best.gain:.0%} of the squared "
                 f"residual (p = {three(best.p_value)}), below the threshold.{times}"
             )
-        if noise and error is not None and error <= AT_THE_NOISE * noise:
+        if noise and error is not None and error <= AT_THE_FLOOR * noise:
             return f"nothing that {s.covered} can show; the error is hardly more than the noise."
         return (
             "no effect was found; no known effect and no measured quantity explains a significant "

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import SIGNIFICANCE, TIE
 from frictionjoint.diagnose.chance import FLIPS, over_family
-from frictionjoint.diagnose.decisions import SIGNIFICANCE, TIE
 from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.terms import EffectTerm

@@ -12,17 +12,21 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import TIME, A, Q, V
-from frictionjoint.identify.blocks import Blocks, correlation_time
+from frictionjoint.identify.blocks import (
+    CORRELATION_TIMES,
+    FEWEST_BLOCKS,
+    KINDS,
+    LOGS,
+    Blocks,
+    correlation_time,
+)
 from frictionjoint.identify.kinds import kinds_of
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.logs import Place, by_place
 
 Index = NDArray[np.int64]
 
-_FEWEST, _MOST = 48, 120
-_CORRELATION_TIMES = 5.0
-# logs from which on a fold is a log, and kinds of motion where there are fewer
-_LOGS, _KINDS = 3, 4
+_MOST = 120
 
 
 @dataclass(frozen=True)
@@ -70,12 +74,12 @@ def clock(joints: Sequence[FittedJoint]) -> Clock:
     total = float(spans.sum())
     alike = [_correlation(joint) for joint in joints]
     longest = float(np.median([seconds for seconds, _ in alike]))
-    length = float(np.clip(_CORRELATION_TIMES * longest, total / _MOST, total / _FEWEST))
+    length = float(np.clip(CORRELATION_TIMES * longest, total / _MOST, total / FEWEST_BLOCKS))
     counts = np.maximum(2, np.round(spans / length)).astype(np.int64)
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
     log = np.repeat(np.arange(len(spans)), counts)
     lengths = spans / counts
-    fold = log if len(spans) >= _LOGS else _kinds(joints, number, lengths, first, len(log))
+    fold = log if len(spans) >= LOGS else _kinds(joints, number, lengths, first, len(log))
     samples = float(np.median([n for _, n in alike]))
     return Clock(number, lengths, first, fold, log, samples)
 
@@ -116,4 +120,4 @@ def _kinds(
         size = np.maximum(np.bincount(of_sample, minlength=count), 1)
         for x in (v**2, a**2, q, np.sign(v)):
             rows.append(np.bincount(of_sample, x, count) / size)
-    return kinds_of(np.column_stack(rows), _KINDS)
+    return kinds_of(np.column_stack(rows), KINDS)

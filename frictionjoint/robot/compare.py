@@ -6,8 +6,7 @@ Sums of squares are by joint and block of time, shape (J, B), in units of each j
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.decisions import DISCREPANCY, SMALLEST_GAIN
-from frictionjoint.report.joint_report import HARM
+from frictionjoint.decisions import DISCREPANCY, HARM, SMALLEST_GAIN
 from frictionjoint.robot.stack import Stack
 
 

@@ -296,5 +296,5 @@ def _apart(G: Array, first: int) -> Array:
     kept = np.r_[:first, len(G) - 1]
     if not len(inner):
         return G
-    through = pseudo_inverse(inner, 1e-9) @ own
+    through = pseudo_inverse(inner) @ own
     return np.asarray((G - own.T @ through)[np.ix_(kept, kept)])

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from frictionjoint.control.controller import Controller
-from frictionjoint.diagnose.close_loop import Runs, explain
+from frictionjoint.diagnose.build_report import Runs
+from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.report_parts import torque_rms
 from frictionjoint.errors import FrictionJointError

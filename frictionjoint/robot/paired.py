@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.identify.blocks import correlation_time
+from frictionjoint.identify.blocks import CORRELATION_TIMES, correlation_time
 from frictionjoint.report.joint_report import Interval
-
-_CORRELATION_TIMES = 5.0
 
 
 def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:
@@ -28,7 +26,7 @@ def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) ->
     sums, counts = [], []
     for log in np.unique(log_index):
         own = difference[log_index == log]
-        length = _CORRELATION_TIMES * correlation_time(own)
+        length = CORRELATION_TIMES * correlation_time(own)
         for part in np.array_split(own, max(1, round(len(own) / length))):
             sums.append(float(part.sum()))
             counts.append(len(part))

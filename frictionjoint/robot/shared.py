@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import HARM
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.report.joint_report import HARM
 from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause

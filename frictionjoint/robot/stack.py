@@ -19,8 +19,6 @@ from frictionjoint.robot.clock import Clock
 
 Columns = NDArray[np.int64]
 
-_RCOND = 1e-8
-
 
 @dataclass(frozen=True)
 class JointGram:
@@ -147,7 +145,7 @@ class Stack:
         G = self.total
         inner = G[np.ix_(known, known)]
         scale = roots(inner)
-        inverse = pseudo_inverse(inner / np.outer(scale, scale), _RCOND)
+        inverse = pseudo_inverse(inner / np.outer(scale, scale))
         right = G[np.ix_(known, np.append(at, self.size))] / scale[:, None]
         both = np.concatenate([known, at])
         # what the columns and the residual are of those of the stack, and of the residual itself
@@ -191,7 +189,7 @@ def least_squares(A: Array, b: Array) -> Array:
         return b
     scale = roots(A)
     scaled = A / (scale[..., :, None] * scale[..., None, :])
-    inverse = pseudo_inverse(scaled, _RCOND)
+    inverse = pseudo_inverse(scaled)
     return np.asarray((inverse @ (b / scale)[..., None])[..., 0] / scale)
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from frictionjoint.arrays import Array
+from frictionjoint.identify.rounding import EQUAL
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice
@@ -17,9 +18,6 @@ from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import squares_left
-
-# part of the squares within which a column beside another one adds nothing
-_SAME = 1e-6
 
 
 def restated(
@@ -73,6 +71,6 @@ def _as_good(
     alone = float(squares(itself).sum())
     for c in open_ones:
         # a column that adds nothing is the same cause under the name of a joint's effect
-        same = abs(float(squares(itself, c).sum()) - alone) <= _SAME * alone
+        same = abs(float(squares(itself, c).sum()) - alone) <= EQUAL * alone
         if not same and as_much(seen.stack, squares(c), left):
             yield c

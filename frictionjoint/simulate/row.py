@@ -24,6 +24,7 @@ its place (WRITTEN); then the law's row, then the effects' memory, committed and
 evaluated torque of each effect.
 """
 
+import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Vector
@@ -38,8 +39,8 @@ T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, GAIN, BASE, WRITTEN = range(6, 13
 # time steps
 LEAP = 3.0
 FRONT = WRITTEN + 1
-# mjMAXVAL: a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
-ASTRAY = 1e10
+# a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
+ASTRAY = float(mujoco.mjMAXVAL)
 # h^2 K / J at which half of a spring is implicit: a soft one loses less energy explicitly, a stiff
 # one must be implicit
 HALF_IMPLICIT = 0.25

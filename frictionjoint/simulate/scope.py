@@ -21,9 +21,8 @@ from frictionjoint.simulate.torque import sticks
 
 STICK_COLOUR = (0.10, 0.75, 0.55)
 SLIP_COLOUR = (0.95, 0.45, 0.10)
-# A line of MjvFigure takes 1000 points, a figure 100 lines.
-_POINTS = 1000
-_LINES = 100
+# samples of one figure
+_SAMPLES = mujoco.mjMAXLINEPNT - 1
 
 
 @dataclass(frozen=True)
@@ -75,8 +74,8 @@ class Scope:
         self._stribeck = min(law.Vs_pos, law.Vs_neg)
         slide = model.jnt_type[self._id] == mujoco.mjtJoint.mjJNT_SLIDE
         self._units = ("m", "N") if slide else ("rad", "N m")
-        self._every = seconds / _POINTS
-        self._samples: deque[Sample] = deque(maxlen=_POINTS)
+        self._every = seconds / _SAMPLES
+        self._samples: deque[Sample] = deque(maxlen=_SAMPLES)
 
     def record(self, data: mujoco.MjData) -> Sample:
         """Read the joint's state after a step; if time goes back, the figures are cleared."""
@@ -183,7 +182,7 @@ def _draw(figure: mujoco.MjvFigure, points: list[tuple[float, float, bool] | Non
             runs[-1][1].append((x, y))
         previous = point
     named: set[bool] = set()
-    for i, (sticks, run) in enumerate(runs[-_LINES:]):
+    for i, (sticks, run) in enumerate(runs[-mujoco.mjMAXLINE :]):
         figure.linedata[i, : 2 * len(run)] = np.array(run, dtype=np.float32).ravel()
         figure.linepnt[i] = len(run)
         figure.linergb[i] = STICK_COLOUR if sticks else SLIP_COLOUR

@@ -9,11 +9,12 @@ callback leaves them alone (`lacks_room`); MuJoCo itself refuses to copy between
 import warnings
 
 import mujoco
+import numpy as np
 
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.layout import data_structure, model_structure
 
-_BYTES = 8
+_BYTES = np.dtype(float).itemsize
 # models whose data were found to lack room, by address
 _warned: set[int] = set()
 

@@ -1,11 +1,11 @@
-"""Thresholds that decide which effects are named.
+"""Thresholds that decide which effects are named, and what the report says of them.
 
 All other constants of the search set its resolution or its stopping point. The error of a friction
-law, which weights samples at rest, is in `identify/weights.py`; the improvement that counts as
-clear in `identify/clearly.py`; the waves that logs can show in `identify/search.py`.
+law, which weights samples at rest, is in `identify/weights.py`; the waves that logs can show in
+`identify/search.py`.
 """
 
-# rate of false alarms over the whole family of candidates
+# rate of false alarms over the whole family of candidates, or of parameters that are compared
 SIGNIFICANCE = 0.05
 # fraction of random half-samples of the data that must choose an effect before others and none
 MOSTLY = 0.5
@@ -27,6 +27,11 @@ TIE, APART = 0.1, 0.5
 CONCENTRATED = 0.9
 # standard errors, or rms errors, beyond which something is more than chance
 SURELY = 2.0
+# part of an error that another law, or the motion without an effect, must take away: what chance or
+# a few more parameters do not make
+CLEARLY = 0.05
+# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
+HARM = 0.05
 # K: a temperature that changes by less holds nothing but its sensor's flicker
 LEAST_WARMING = 1.0
 # what counts as explained: a residual up to this multiple of the instruments' noise, or one that is

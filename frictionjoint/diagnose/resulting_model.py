@@ -1,0 +1,84 @@
+"""The model of one joint that a search and a refinement by simulation lead to."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from frictionjoint.diagnose.by_motion import named_by_motion
+from frictionjoint.diagnose.finding import Trace
+from frictionjoint.diagnose.joint_logs import JointLogs
+from frictionjoint.identify.fit import Fit, with_gain
+from frictionjoint.identify.gate import check_fit, load_shows, scale_is_determined
+from frictionjoint.identify.segment import Prepared
+from frictionjoint.refine.refine import Refined
+from frictionjoint.refine.refined_model import RefinedModel, refined_in_windows
+from frictionjoint.replay.free_runs import (
+    simulated_whole,
+)
+from frictionjoint.replay.loops import LoopErrors
+
+# standard error of a gain over the gain, beyond which it may as well be any
+_ANY_GAIN = 1.0
+
+
+@dataclass(frozen=True)
+class ResultingModel:
+    """The model that the logs lead to.
+
+    Attributes:
+        trace: of the search. fit: what the simulation model contains.
+        kept_back: held-out logs, corrected as the fitted ones.
+        load_shows: whether the load determines the gain of the drive. scaled: whether torques are
+            known in N m.
+        closed: whole logs in closed loop, by the first and the last fit to torque.
+        outcome, refined: of the refinement by simulation.
+    """
+
+    trace: Trace
+    fit: Fit
+    kept_back: Prepared | None
+    load_shows: bool
+    scaled: bool
+    closed: tuple[LoopErrors, ...]
+    outcome: Refined | None
+    refined: RefinedModel | None
+
+    @property
+    def taken(self) -> RefinedModel | None:
+        """The refinement, if it is the result."""
+        return self.refined if self.refined and self.refined.taken else None
+
+
+def resulting_model(
+    logs: JointLogs, found: Trace, refine: bool | None, progress: Callable[[str], None]
+) -> ResultingModel:
+    """Refine the outcome of a search by simulation, and state it in units of the drive if the gain
+    is unknown.
+
+    Args:
+        refine: see `commands.close_loop`.
+    """
+    kept_back = found.as_fitted(logs.kept_back) if logs.kept_back else None
+    loops, body, shows = logs.loops, logs.body, load_shows(found.final)
+    if shows and not load_shows(found.base):
+        # without the effects the drive may hide the load: the motor is that of the found model
+        found = replace(found, base=with_gain(found.base, found.final.gain))
+    scaled = shows and scale_is_determined(found.prepared, found.final)
+    closed: tuple[LoopErrors, ...] = ()
+    outcome, refined = None, None
+    if loops and shows:
+        # if the load is weakly excited the gain is poorly determined: the best one, with its error
+        if refine is not False:
+            found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
+            scaled = scaled or (outcome.taken and outcome.gain_error < _ANY_GAIN)
+            refined = RefinedModel.of(outcome, loops, body.slide, scaled)
+        closed = loops.errors((found.base, found.final))
+    elif refine and scaled and simulated_whole(found.final, body.armature, in_closed_loop=True):
+        outcome = refined_in_windows(
+            found.prepared, found.final, logs.fitted, logs.bodies, progress
+        )
+        refined = RefinedModel.of(outcome, None, body.slide, scaled)
+    best = outcome.fit if outcome else found.final
+    if not scaled:
+        found = found.without_scale()
+    check_fit(found.prepared, found.final)
+    return ResultingModel(found, best, kept_back, shows, scaled, closed, outcome, refined)
