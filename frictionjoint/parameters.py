@@ -18,6 +18,7 @@ Variant = Literal["ganseman1997", "lampaert2002"]
 Virgin = Literal["literal", "masing"]
 Knots = tuple[tuple[float, float], ...]
 
+# knots of a transition curve, or Maxwell-slip elements, which are the same
 MOST_KNOTS = 16
 MOST_EXPONENT = 1000.0
 SIDES = ("pos", "neg")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from frictionjoint.errors import ParameterError
 from frictionjoint.parameters import (
     LEVELS,
+    MOST_KNOTS,
     SIDES,
     Friction,
     StribeckFriction,
@@ -22,8 +23,6 @@ from frictionjoint.parameters import (
     number_pairs,
     require,
 )
-
-MOST_ELEMENTS = 16
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -273,7 +272,7 @@ class MaxwellSlipParameters(_Stribeck):
         pairs = number_pairs(
             "elements", self.elements, "[k, fraction of the level], numbers, k in N m/rad"
         )
-        most = MOST_ELEMENTS
+        most = MOST_KNOTS
         require(1 <= len(pairs) <= most, "number of elements", len(pairs), f"1 to {most}")
         for i, (k, fraction) in enumerate(pairs):
             require(k > 0, f"elements[{i}] stiffness", k, "> 0")

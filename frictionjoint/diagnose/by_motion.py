@@ -22,7 +22,7 @@ from frictionjoint.diagnose.columns import signals_of
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.library import effect_terms, effects
-from frictionjoint.diagnose.moves import Look, Looked, look
+from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked, look
 from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
@@ -43,8 +43,7 @@ from frictionjoint.replay.free_runs import simulated_whole
 
 # of the torque's rms, by which a coefficient moves it for a difference
 _STEP = 0.01
-# effects that are refined in a look, and looks
-_LEADERS, _MOST_LOOKS = 2, 3
+_MOST_LOOKS = 3
 
 
 def named_by_motion(
@@ -211,7 +210,7 @@ def _promising(
         models.append((1.0 - squares(fitted) / before, fitted, coefficients))
     models.sort(key=lambda model: -model[0])
     least = max(TIE, (1.0 - SMALLEST_GAIN) * models[0][0]) if models else 0.0
-    return [(fitted, c) for gain, fitted, c in models[:_LEADERS] if gain >= least]
+    return [(fitted, c) for gain, fitted, c in models[:ALTERNATIVES] if gain >= least]
 
 
 def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:

@@ -17,7 +17,6 @@ from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.possible import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored
-from frictionjoint.diagnose.state import TRIED_STEPS
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.blocks import halves, make_blocks
@@ -26,7 +25,7 @@ from frictionjoint.identify.open_times import timed
 from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.starts import COARSE
+from frictionjoint.identify.starts import COARSE, COMPARING_STEPS
 from frictionjoint.identify.terms import EffectTerm, Term, all_but, in_place
 from frictionjoint.threads import side_by_side
 
@@ -71,7 +70,7 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     forms = _best_of_each_form(coarse, start, start.effects, terms)
 
     def beside(term: EffectTerm) -> Fit:
-        return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, TRIED_STEPS)
+        return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, COMPARING_STEPS)
 
     return judged(prepared, fitted, forms, beside, rng)
 
@@ -137,7 +136,7 @@ def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     found = [(term, CLOSE) for term in forms]
     found += [(term, ROUGH) for term in others[: _LEADERS - 1]]
     return [
-        refit(prepared, in_place(own, i, term), fitted.shape, closeness, TRIED_STEPS)
+        refit(prepared, in_place(own, i, term), fitted.shape, closeness, COMPARING_STEPS)
         for term, closeness in found
     ]
 

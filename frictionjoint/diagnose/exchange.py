@@ -11,10 +11,9 @@ from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import other_forms
-from frictionjoint.diagnose.moves import Look, look
+from frictionjoint.diagnose.moves import ALTERNATIVES, Look, look
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
-    ALTERNATIVES,
     State,
     apart,
     as_much,

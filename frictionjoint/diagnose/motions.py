@@ -32,7 +32,9 @@ from frictionjoint.identify.segment import Prepared, Segment
 _USUAL = 0.99
 # the payloads tried add these fractions of what the joint carries
 _PAYLOADS = (0.5, 1.0)
-_LONGEST, _WARMING = 80.0, 320.0
+# durations to try, s: each record, one of usual length at most, and one that warms the joint
+DURATIONS = (10.0, 20.0, 40.0, 80.0, 160.0, 320.0)
+_LONGEST, _WARMING = DURATIONS[3], DURATIONS[-1]
 # s between samples, and samples in the shortest period
 _FINE, _PER_PERIOD = 0.02, 12.0
 _FREQUENCIES, _ROWS = 5, 12

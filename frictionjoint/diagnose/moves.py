@@ -16,8 +16,8 @@ from frictionjoint.identify.rounding import EQUAL, first_least, in_order
 from frictionjoint.identify.terms import Term, in_place
 from frictionjoint.threads import side_by_side
 
-# of each sort of move, how many are refitted
-_ADDED, _UNNAMED, _PAIRS, _EXCHANGED = 4, 2, 1, 2
+# the most promising effects, and alternatives to one or without a name, that are refitted; pairs
+LEADERS, ALTERNATIVES, _PAIRS = 4, 2, 1
 # named candidates of which pairs are looked at, and kinds that are compared on half of the data
 _IN_PAIRS, _CONTENDERS = 8, 10
 
@@ -157,10 +157,10 @@ class Moves:
     def best(self) -> list[Move]:
         """The most promising change of each sort, to be refitted."""
         sorts = (
-            (self._added(self.named), _ADDED),
-            (self._added(self.unnamed), _UNNAMED),
+            (self._added(self.named), LEADERS),
+            (self._added(self.unnamed), ALTERNATIVES),
             (self._pairs(), _PAIRS),
-            (self._exchanges(), _EXCHANGED),
+            (self._exchanges(), ALTERNATIVES),
         )
         return [m for found, most in sorts for m in in_order(found, _total)[:most]]
 

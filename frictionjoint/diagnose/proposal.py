@@ -12,6 +12,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import loose_parameters
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.motions import (
+    DURATIONS,
     Carried,
     Limits,
     Motion,
@@ -47,8 +48,7 @@ from frictionjoint.parameter_meanings import meanings
 LEVEL, UNLIKE = 3.0, 0.04
 # fraction below which nothing is left
 _NOTHING = 1e-4
-_DURATIONS = (10.0, 20.0, 40.0, 80.0, 160.0, 320.0)
-_FOR_PARAMETERS = 40.0
+_FOR_PARAMETERS = DURATIONS[2]
 # a standard error worth a record: at most this fraction of what it was
 _SHARPER = 0.7
 
@@ -219,7 +219,7 @@ class Planner:
 
 def _durations(motion: Motion) -> list[float]:
     """Durations to try, s: at least one whole motion, if the time suffices."""
-    tried = [x for x in _DURATIONS if motion.once <= x <= motion.duration]
+    tried = [x for x in DURATIONS if motion.once <= x <= motion.duration]
     return tried or [motion.duration]
 
 

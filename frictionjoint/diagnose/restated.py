@@ -26,10 +26,9 @@ from frictionjoint.diagnose.candidate import comes_first
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.moves import Look, Looked, look
+from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked, look
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
-    ALTERNATIVES,
     State,
     as_much,
     needed,

@@ -21,11 +21,11 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, nearer, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.starts import COMPARING_STEPS
 from frictionjoint.identify.terms import DriveTerm, Term, all_but
 
-# steps of a search that only compares models; other effects, or quantities, that are fitted in the
-# place of one, those that promise most first
-TRIED_STEPS, ALTERNATIVES = 8, 2
+# changes of a model after which a search ends
+MOST_CHANGES = 16
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def compared(
     prepared: Prepared, terms: tuple[Term, ...], law: Shape, closeness: float = ROUGH
 ) -> Fit:
     """A model fitted with the accuracy that a comparison needs."""
-    return refit(prepared, terms, law, closeness, TRIED_STEPS)
+    return refit(prepared, terms, law, closeness, COMPARING_STEPS)
 
 
 def without(state: State, term: Term) -> Fit:

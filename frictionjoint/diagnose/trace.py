@@ -33,6 +33,7 @@ from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.outcome import finish_search
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
+    MOST_CHANGES,
     State,
     compared,
     is_small,
@@ -53,7 +54,6 @@ from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
 
 INTEGRATED_LAW = FrictionParameters.law
-_MOST_CHANGES = 12
 
 
 @one_thread
@@ -86,7 +86,7 @@ def trace(
     _follow(state)
     bent = False
     known = {_names(state)}
-    for change in range(1, _MOST_CHANGES + 1):
+    for change in range(1, MOST_CHANGES + 1):
         progress(f"looking for missing effect {change}")
         state.law_errs = True
         before, left = _names(state), state.fit.drive_rms

@@ -12,7 +12,7 @@ that explain much more at such a start than the best fit of the law alone.
 from collections.abc import Sequence
 
 from frictionjoint.decisions import CLEARLY, DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
-from frictionjoint.diagnose.moves import Look, Looked, Move
+from frictionjoint.diagnose.moves import LEADERS, Look, Looked, Move
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import compared
@@ -30,8 +30,6 @@ from frictionjoint.threads import side_by_side
 _SEARCHES = 4
 # forms that are fitted to their end
 _FORMS = 3
-# effects that are tried because they leave less where nothing has bent the law, the best first
-_MOST = 4
 
 
 def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[Shape]]) -> Fit:
@@ -92,5 +90,5 @@ def candidates_to_refit_jointly(
         left = list(each(at_a_start, rest))
     most = (1.0 - SMALLEST_GAIN) * alone
     hidden = [rest[k] for k in in_order(range(len(rest)), lambda k: left[k]) if left[k] <= most]
-    tried = [*((r, laws.own_forms) for r in asked), *((r, [own]) for r in hidden[:_MOST])]
+    tried = [*((r, laws.own_forms) for r in asked), *((r, [own]) for r in hidden[:LEADERS])]
     return [(Move((r.candidate.term,), (r.candidate,), r.left), forms) for r, forms in tried]

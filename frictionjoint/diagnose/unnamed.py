@@ -4,8 +4,9 @@ In an arm that moves alone the load is a function of position, and no log distin
 """
 
 from frictionjoint.diagnose.exchange import most_first
+from frictionjoint.diagnose.moves import ALTERNATIVES
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import ALTERNATIVES, State, apart, compared
+from frictionjoint.diagnose.state import State, apart, compared
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.terms import Term, in_place

@@ -16,12 +16,9 @@ from frictionjoint.measured.derivatives import (
     uniform_motion,
 )
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.lowpass import LowPass, steep
+from frictionjoint.measured.lowpass import REACH, LowPass, steep
 from frictionjoint.measured.repairs import silent_runs
 
-# periods of the filter's corner frequency at each end of a log in which the unknown continuation
-# of the log affects the filtered signal
-_SPOILT = 2.0
 _KINDS = ("torque", "voltage", "current")
 
 
@@ -79,7 +76,7 @@ class Recording:
 
         others = {n: q for n, q in first.other_positions.items() if n not in logs}
         kinds = {name: _kind(log) for name, log in logs.items()}
-        edge = int(_SPOILT / (corner * step))
+        edge = int(REACH / (corner * step))
         inside = np.zeros(n, dtype=bool)
         inside[edge : n - edge] = True
         measured = {name: getattr(log, kinds[name]) for name, log in logs.items()}

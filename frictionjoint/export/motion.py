@@ -14,9 +14,9 @@ from frictionjoint.measured.lowpass import LowPass, steep
 from frictionjoint.measured.readers import read_log
 from frictionjoint.parameters import Friction
 
-# of the stated motion: s between samples, s of one sine, sines of each size, sizes of sliding, s
-# of the travel at one speed, and of its beginning and end
-_STEP, _PERIOD, _TURNS, _SIZES, _TRAVEL, _EDGE = 2e-3, 2.0, 1, 5, 5.0, 0.5
+# of the stated motion: s between samples, s of one sine, sizes of sliding, s of the travel at one
+# speed, and of its beginning and end
+_STEP, _PERIOD, _SIZES, _TRAVEL, _EDGE = 2e-3, 2.0, 5, 5.0, 0.5
 # of the presliding stretch, over the displacement in which friction reaches its limit
 _BEFORE_SLIDING = 0.5
 
@@ -76,7 +76,7 @@ def stated_motion(
         reach = _BEFORE_SLIDING * 2.0 * Fs / parameters.stiffness
         peaks.insert(0, np.pi * reach / _PERIOD)
     w = 2.0 * np.pi / _PERIOD
-    turns = w * _STEP * np.arange(round(_TURNS * _PERIOD / _STEP))
+    turns = w * _STEP * np.arange(round(_PERIOD / _STEP))
     velocity = [peak * np.sin(turns) for peak in peaks]
     edge = np.clip(np.arange(0.0, _TRAVEL, _STEP) / _EDGE, 0.0, 1.0)
     one_way = float(np.sqrt(lowest * highest)) * edge * edge[::-1]

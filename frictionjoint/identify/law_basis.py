@@ -18,13 +18,14 @@ from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.law_start import falls
 from frictionjoint.identify.layout import layout_of
+from frictionjoint.identify.rival_shape import ELEMENTS
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.identify.terms import Term
 
-# number of elements; their least and largest displacement to slipping, as fractions of the travel
-_ELEMENTS, _SHORTEST, _LONGEST = 8, 1e-5, 0.1
+# least and largest displacement of elements to slipping, as fractions of the travel
+_SHORTEST, _LONGEST = 1e-5, 0.1
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class LawBasis:
         span = self.prepared.span
         resolved = max(s.noise.resolution for s in self.prepared.segments)
         least = min(max(_SHORTEST * span, resolved), 0.1 * _LONGEST * span)
-        return np.geomspace(least, _LONGEST * span, _ELEMENTS)
+        return np.geomspace(least, _LONGEST * span, ELEMENTS)
 
     @cached_property
     def columns(self) -> Array:

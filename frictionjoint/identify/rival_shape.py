@@ -37,7 +37,7 @@ _VARIABLES: dict[str, tuple[str, ...]] = {
 _DAMPED = ("lugre", "elastoplastic", "maxwell_slip")
 # Maxwell-slip elements: equal fractions of the level, slip displacements in a geometric row from
 # `length` to `reach` times it
-_ELEMENTS = 8
+ELEMENTS = 8
 # starts of the speed at which a static law has risen to its level, over that in `_START`
 _PARTS = (0.1, 1.0, 3.0)
 _START = {
@@ -141,8 +141,8 @@ class RivalShape:
         if "excess" in x:
             values |= {"Fs": Fs, "Vs": x["Vs"], "delta": x["delta"]}
         if "reach" in x:
-            slips = x["length"] * x["reach"] ** (np.arange(_ELEMENTS) / (_ELEMENTS - 1))
-            values["elements"] = tuple((float(Fs / _ELEMENTS / z), 1.0 / _ELEMENTS) for z in slips)
+            slips = x["length"] * x["reach"] ** (np.arange(ELEMENTS) / (ELEMENTS - 1))
+            values["elements"] = tuple((float(Fs / ELEMENTS / z), 1.0 / ELEMENTS) for z in slips)
             values["C"] = Fc * x["C"]
         elif "length" in x:
             values["sigma0"] = Fs / x["length"]
@@ -180,7 +180,7 @@ class RivalShape:
         if "log C" in by:
             by["log C"][1 + maxwell_slip.ATTRACTION] = P[1 + maxwell_slip.ATTRACTION]
             springs = slice(1 + maxwell_slip.ELEMENTS, None, 2)
-            by["log reach"][springs] = -P[springs] * np.arange(_ELEMENTS) / (_ELEMENTS - 1)
+            by["log reach"][springs] = -P[springs] * np.arange(ELEMENTS) / (ELEMENTS - 1)
         else:
             springs = slice(own, own + 1)
         if "log length" in by:

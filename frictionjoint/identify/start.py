@@ -22,15 +22,15 @@ from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swing_columns, swings
 from frictionjoint.identify.terms import Term
+from frictionjoint.measured.lowpass import REACH
 from frictionjoint.threads import side_by_side
 
 # trial torques at the first sample over Fc, and how near to the best one is near enough
 _TRIALS, _NEAR = np.linspace(-1.5, 1.5, 7), 0.01
 # fraction of a log's squares that another start must take away
 _TELLS = 0.01
-# H of two starts that have become the same, and how far the filter reaches, in periods of its
-# corner
-_ALIKE, _REACH = 1e-3, 2.0
+# H of two starts that have become the same
+_ALIKE = 1e-3
 _PASSES = 2
 
 
@@ -173,7 +173,7 @@ def _head(segment: Segment, apart: Index) -> Segment:
     Args:
         apart: samples at which the law still depends on its initial state.
     """
-    reach = int(_REACH / (segment.bandwidth_hz * segment.dt)) + 1
+    reach = int(REACH / (segment.bandwidth_hz * segment.dt)) + 1
     end = int(apart[-1]) + reach if apart.size else reach
     if end + reach >= len(segment.drive):
         return replace(segment, driven_along=segment.path)

@@ -23,8 +23,8 @@ from frictionjoint.threads import one_thread, side_by_side
 
 # samples that a coarse look is at
 COARSE = 1500
-# steps that every form is followed for, and the best of them to the end
-_STEPS, _LAST_STEPS = 8, 15
+# steps of a search that only compares, and of the best form to the end
+COMPARING_STEPS, _LAST_STEPS = 8, 15
 
 
 @one_thread
@@ -139,5 +139,5 @@ def screened_starts(
 def _followed(places: Sequence[Place]) -> list[Place]:
     """Results of some steps from each, best first."""
     with side_by_side() as each:
-        found = list(each(lambda p: p.search.run(p.x, _STEPS, ROUGH), places))
+        found = list(each(lambda p: p.search.run(p.x, COMPARING_STEPS, ROUGH), places))
     return in_order(found, lambda place: place.cost)

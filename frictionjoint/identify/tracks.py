@@ -16,8 +16,7 @@ from frictionjoint.identify.reversals import Path, fill_grid
 from frictionjoint.identify.shape import Shape
 
 # displacements, over the travel, over which friction may have come to what it held at first
-_REACHED, _POINTS = (1e-7, 3.0), 60
-_WAY = np.concatenate([[0.0], np.geomspace(*_REACHED, _POINTS)])
+_WAY = np.concatenate([[0.0], np.geomspace(1e-7, 3.0, 60)])
 
 
 class Start(NamedTuple):

@@ -31,6 +31,8 @@ class Spectrum(NamedTuple):
     ends: Array
 
 
+# periods of the corner over which the unknown continuation of a log affects what a filter passes
+REACH = 2.0
 # amplitude by frequency over the corner, at which it is one half
 Response = Callable[[Array], Array]
 

@@ -27,6 +27,7 @@ from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.files import joint_friction
 from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose
+from frictionjoint.identify.segment import A_BALANCE
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.measured.derivatives import motion_band, on_a_grid, position_noise
@@ -35,18 +36,14 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.recordings.numbers import Number, changed, numbers_of, values_of
+from frictionjoint.refine.vector import PRIOR_ERRORS, PRIOR_SIZE
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.carrier import install
 
 # step of a numerical derivative, as a fraction of the parameter
 _STEP = 0.02
-# standard deviation of the prior, the larger of two: as a fraction of the parameter, and as a
-# multiple of the standard error in the known model
-_PRIOR, _ERRORS = 0.5, 10.0
 # blocks of time for the errors: least number, and longest duration, s
 _BLOCKS, _BLOCK_S = 12, 1.0
-# samples in the least squares per period of the filter's corner frequency
-_PER_PERIOD = 4.0
 # added noise variance over the measured one, signs with which the noise is added, and weight of the
 # estimate: value at variance 0 of the parabola through the estimates at variances 1, 2 and 3. The
 # two signs cancel what is linear in the added noise.
@@ -127,7 +124,7 @@ def estimate(known: Known, log: JointLog) -> Estimates:
     if not numbers:
         raise ParameterError("the friction has no number to compare: all are zero or shapes")
     parts = [_Part.of(known, part) for part in split_at_gaps(log)]
-    prior = np.maximum(_PRIOR * np.abs(known.values), _ERRORS * known.stderr)
+    prior = np.maximum(PRIOR_SIZE * np.abs(known.values), PRIOR_ERRORS * known.stderr)
     step: Array = np.zeros(len(numbers))
     influence: Array = np.zeros((sum(part.blocks for part in parts), len(numbers)))
     for variance, signs, weight in _EXTRAPOLATED:
@@ -274,7 +271,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
             columns.append(recording.filter(moved - law) / by)
         else:
             columns.append((needed(other)[0] - base) / by)
-    every = max(1, int(1.0 / (_PER_PERIOD * recording.smooth.corner_hz * recording.step)))
+    every = max(1, int(1.0 / (A_BALANCE * recording.smooth.corner_hz * recording.step)))
     kept = np.flatnonzero(recording.known[known.joint])[::every]
     block = (recording.time[kept] / part.block).astype(int)
     J, residual = np.column_stack(columns)[kept], (base - acted)[kept]

@@ -15,11 +15,11 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.timing import DriveTiming, Timing
 
-# unit of the prior, in standard errors of the balance: those leave out what is wrong in every log
-# alike
-_WIDER = 10.0
-# least and largest unit of the prior, over the number itself
-_LEAST, _MOST = 0.05, 0.5
+# standard deviation of a prior from earlier logs: in their standard errors, which leave out what is
+# wrong in every log alike, and over the number itself
+PRIOR_ERRORS, PRIOR_SIZE = 10.0, 0.5
+# least of it over the number itself
+_LEAST = 0.05
 
 
 def with_term(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: Array) -> Fit:
@@ -85,7 +85,7 @@ class Vector:
         for i in self._inertias:
             size[i] = max(size[i], max(inertia_of(s.signals, LOAD) for s in prepared.segments))
             error[i] = np.inf
-        self.unit: Array = np.clip(_WIDER * error, _LEAST * size, _MOST * size)
+        self.unit: Array = np.clip(PRIOR_ERRORS * error, _LEAST * size, PRIOR_SIZE * size)
         # a lag of nothing in the balance is as open as when in its steps a simulation acts
         for i, term in enumerate(fitted.terms):
             if isinstance(term, Timing):

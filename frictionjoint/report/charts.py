@@ -22,8 +22,8 @@ LawColour = Literal["law0", "law1", "law2", "law3", "law4", "law5", "law6", "law
 Colour = Literal["measured", "before", "after", "target"] | LawColour
 LAW_COLOURS: tuple[LawColour, ...] = get_args(LawColour)
 
-# points of a line and of a cloud, so that a page stays small
-_LINE, _CLOUD = 3000, 2500
+# points of a line or a cloud, so that a page stays small
+_POINTS = 3000
 # s, and fraction of the log: length of the stretch that is shown in detail
 _STRETCH_S, _STRETCH = 2.0, 0.15
 # order in which a reader meets the quantities that an error may depend on
@@ -234,17 +234,17 @@ def _against(report: Report, quantity: str) -> Chart:
     for stage, colour in stages:
         e = np.concatenate([c.measured - getattr(c, stage) for c in curves])[on]
         label = stage if report.changed else "friction law"
-        series.append(cloud(label, x, e, colour, _CLOUD // 2))
+        series.append(cloud(label, x, e, colour, _POINTS // 2))
         series.append(Series(f"{label}, mean", *_running_mean(x, e), colour))
     label = axis(quantity, report.slide)
     return Chart(f"Error against {label.partition(',')[0]}", label, report.units[0], tuple(series))
 
 
-def small(chart: Chart, most: int = 300) -> Chart:
+def small(chart: Chart) -> Chart:
     """The chart with fewer points, for a page with many charts."""
     series = []
     for s in chart.series:
-        x, y = thinned(most, s.x, s.y)
+        x, y = thinned(_POINTS // 10, s.x, s.y)
         series.append(replace(s, x=x, y=y))
     return replace(chart, series=tuple(series))
 
@@ -259,9 +259,9 @@ def _source(report: Report) -> str:
     return "controller’s" if report.reconstructed else "measured"
 
 
-def over_time(name: str, t: Array, y: Array, colour: Colour, most: int = _LINE) -> Series:
-    """A line over time with at most so many points, interrupted where samples were left out."""
-    t, y = thinned(most, t, y)
+def over_time(name: str, t: Array, y: Array, colour: Colour) -> Series:
+    """A line over time, thinned, interrupted where samples were left out."""
+    t, y = thinned(_POINTS, t, y)
     y = y.copy()
     if len(t) > 2:
         step = np.diff(t)
@@ -270,7 +270,7 @@ def over_time(name: str, t: Array, y: Array, colour: Colour, most: int = _LINE) 
     return Series(name, t, y, colour)
 
 
-def cloud(name: str, x: Array, y: Array, colour: Colour, most: int = _CLOUD) -> Series:
+def cloud(name: str, x: Array, y: Array, colour: Colour, most: int = _POINTS) -> Series:
     """Points, at most so many."""
     x, y = thinned(most, x, y)
     return Series(name, x, y, colour, "points")

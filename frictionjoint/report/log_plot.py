@@ -5,9 +5,6 @@ import numpy as np
 from frictionjoint.measured.log import JointLog
 from frictionjoint.report.charts import Chart, cloud, over_time
 
-# pages draw this many points of a log
-_POINTS = 4000
-
 
 def log_charts(log: JointLog) -> tuple[Chart, ...]:
     """Position, velocity and drive over time, then the drive against velocity and position."""
@@ -18,27 +15,27 @@ def log_charts(log: JointLog) -> tuple[Chart, ...]:
         ("current", log.current, "A"),
     )
     time = log.time - log.time[0]
-    position = [over_time("measured", time, log.position, "measured", _POINTS)]
+    position = [over_time("measured", time, log.position, "measured")]
     if log.target is not None:
-        position.append(over_time("target", time, log.target, "target", _POINTS))
+        position.append(over_time("target", time, log.target, "target"))
     found = [Chart("Position", "time, s", f"position, {x}", tuple(position), log.name)]
     if log.velocity is not None:
-        line = over_time("measured", time, log.velocity, "measured", _POINTS)
+        line = over_time("measured", time, log.velocity, "measured")
         found.append(Chart("Velocity", "time, s", f"velocity, {x}/s", (line,), log.name))
     for name, drive, unit in drives:
         if drive is None:
             continue
         label = f"{name}, {unit}"
-        line = over_time("measured", time, drive, "after", _POINTS)
+        line = over_time("measured", time, drive, "after")
         found.append(Chart(name.capitalize(), "time, s", label, (line,), log.name))
         against = [("position", log.position, f"position, {x}")]
         if log.velocity is not None:
             against.insert(0, ("velocity", log.velocity, f"velocity, {x}/s"))
         for other, values, axis in against:
-            points = cloud("measured", values, drive, "after", _POINTS)
+            points = cloud("measured", values, drive, "after")
             found.append(Chart(f"{name.capitalize()} against {other}", axis, label, (points,)))
     if log.temperature is not None:
-        line = over_time("measured", time, log.temperature, "before", _POINTS)
+        line = over_time("measured", time, log.temperature, "before")
         found.append(Chart("Temperature", "time, s", "temperature, °C", (line,), log.name))
     return tuple(found)
 

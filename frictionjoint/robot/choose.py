@@ -14,6 +14,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import SIGNIFICANCE, TIE
 from frictionjoint.diagnose.chance import FLIPS, over_family
+from frictionjoint.diagnose.state import MOST_CHANGES
 from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.terms import EffectTerm
@@ -32,7 +33,6 @@ from frictionjoint.robot.compare import (
 from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
 
-_MOST_CHANGES = 16
 # gain from which on a cause that was missing may have distorted the fitted laws: the residual is
 # examined again after they are refitted
 _BENT = 0.3
@@ -102,7 +102,7 @@ def choose(
         if choice:
             choices.append(choice)
             accepted.append(choice.candidate)
-    for _ in range(_MOST_CHANGES):
+    for _ in range(MOST_CHANGES):
         choice = _next(screened, accepted, rng)
         if choice is None:
             break

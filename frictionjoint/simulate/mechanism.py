@@ -38,8 +38,9 @@ DEFLECTION, TENDON = "_deflection", "_link"
 # most to make a fast spring possible
 _LEAST_ROTOR, _MOST_ROTOR = 0.01, 0.5
 # radians that the two masses may swing against each other in a time step: springs are explicit. A
-# flank's edge within a step gives or takes energy, so fewer
-_FASTEST, _FASTEST_FLANK = 0.7, 0.35
+# flank's edge within a step gives or takes energy, so half as many
+_FASTEST = 0.7
+_FASTEST_FLANK = 0.5 * _FASTEST
 # the impedance of a flank: so small that the constraint is a spring of this stiffness
 _SOFT = 1e-4
 

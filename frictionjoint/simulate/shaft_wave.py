@@ -19,9 +19,10 @@ import mujoco
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
+from frictionjoint.simulate.block import MAGIC
 from frictionjoint.simulate.model_view import ModelView, names_of, tagged_numerics
 
-SHAFT = 199798.0
+SHAFT = MAGIC + 1.0
 SHAFT_TAG = "frictionjoint-shaft:"
 _VERSION = 1.0
 _RESOLVED, _QPOS, _DOF, _OTHER_QPOS, _OTHER_DOF, _RATIO, _WAVES, _SIN, _COS, _TURNS_OVER = range(
