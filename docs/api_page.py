@@ -30,6 +30,7 @@ MODULES = (
     "frictionjoint.errors",
     "frictionjoint.effects.effect",
     "frictionjoint.report.joint_report",
+    "frictionjoint.report.entries",
     "frictionjoint.simulate.carrier",
     "frictionjoint.simulate.gymnasium",
     "frictionjoint.simulate.dm_control",

@@ -80,7 +80,8 @@ def placed(text: str, folder: Path) -> str:
     home = Path(os.path.abspath(folder))
     if home != home.resolve():
         return text
-    root = ElementTree.fromstring(text, ElementTree.XMLParser(target=_with_comments()))
+    builder = ElementTree.TreeBuilder(insert_comments=True)
+    root = ElementTree.fromstring(text, ElementTree.XMLParser(target=builder))
     for element in root.iter():
         for key, value in element.attrib.items():
             if key.startswith("file") and os.path.isabs(value):
@@ -100,10 +101,6 @@ def require_compiles(path: Path) -> None:
         except ValueError as error:
             reason = " ".join(str(error).split())
             raise ModelError(f"the model would not load from its folder: {reason}") from None
-
-
-def _with_comments() -> ElementTree.TreeBuilder:
-    return ElementTree.TreeBuilder(insert_comments=True)
 
 
 def _relative(path: Path, home: Path) -> str:

@@ -11,12 +11,7 @@ from frictionjoint.control import PRESETS, Controller, read_controller
 from frictionjoint.control.controller import unknown_notes
 from frictionjoint.control.controller_file import controller_of
 from frictionjoint.control.profile import held
-from frictionjoint.control.reconstruct import (
-    check_drive,
-    commands,
-    difference,
-    with_drive,
-)
+from frictionjoint.control.reconstruct import check_drive, commands, difference, with_drive
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log

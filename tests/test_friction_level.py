@@ -5,11 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from frictionjoint.effects import (
-    backlash,
-    dwell_time,
-    warm_up_drift,
-)
+from frictionjoint.effects import backlash, dwell_time, warm_up_drift
 from frictionjoint.effects.kernel import columns
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, H, Q, V
 

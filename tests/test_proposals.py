@@ -19,12 +19,7 @@ from plants.plant import (
 from trial_logs import quiet
 
 from frictionjoint.diagnose.motions import Limits, family, least_travel
-from frictionjoint.diagnose.proposal import (
-    LEVEL,
-    UNLIKE,
-    Planner,
-    to_distinguish,
-)
+from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_distinguish
 from frictionjoint.diagnose.report_parts import rivals
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.prepare import prepare

@@ -6,12 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.refine.guard import (
-    clearly_less,
-    kinds,
-    of_logs,
-    without_each,
-)
+from frictionjoint.refine.guard import clearly_less, kinds, of_logs, without_each
 
 
 def log(n=10, **figures):

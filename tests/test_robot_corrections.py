@@ -9,7 +9,7 @@ from arms.arm import random_arm
 from arms.run import motion
 
 from frictionjoint.effects.signals import GEAR, LOAD
-from frictionjoint.identify.design import kept
+from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
@@ -21,12 +21,7 @@ from frictionjoint.robot.causes.body_inertia import BodyInertia
 from frictionjoint.robot.causes.joint_offset import JointOffset
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.causes.rotor_inertia import RotorInertia
-from frictionjoint.robot.corrections import (
-    Corrections,
-    Shaft,
-    tendons_bend,
-    write_corrections,
-)
+from frictionjoint.robot.corrections import Corrections, Shaft, tendons_bend, write_corrections
 
 JOINTS = ("j1", "j2", "j3")
 

@@ -10,11 +10,7 @@ from frictionjoint.identify.rms import Rms
 from frictionjoint.report.folder import made
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.page import render, render_robot
-from frictionjoint.report.robot_report import (
-    RobotErrors,
-    RobotReport,
-    SharedCause,
-)
+from frictionjoint.report.robot_report import RobotErrors, RobotReport, SharedCause
 from frictionjoint.report.robot_summary import summarise_robot
 
 PARTS = {

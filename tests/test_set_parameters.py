@@ -13,9 +13,7 @@ from frictionjoint.effects import spring, torque_bias
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.files import read_samples, toml_document
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
-from frictionjoint.rivals import (
-    LuGreParameters,
-)
+from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.friction_samples import FrictionSamples
 

@@ -8,10 +8,7 @@ from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.weights import (
-    errors_of,
-    reweighed,
-)
+from frictionjoint.identify.weights import errors_of, reweighed
 
 
 @pytest.fixture(scope="module")

@@ -62,7 +62,7 @@ def what_to_record(
 
 
 def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, ...]]]:
-    """Parameters of the law that the logs hardly determine, grouped by the motion that would."""
+    """Parameters of the law that the logs barely determine, grouped by the motion that would."""
     found = []
     for motion, names in _DETERMINED_BY.items():
         loose = tuple(name for name in names if name in law and law[name].is_loose)

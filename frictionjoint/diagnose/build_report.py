@@ -26,13 +26,9 @@ from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refine import Refined
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import found_controller
-from frictionjoint.replay.free_runs import (
-    Replay,
-    friction_of,
-    friction_spec,
-    replay_rms,
-)
-from frictionjoint.report.joint_report import LogEntry, Report, SimulatedPosition
+from frictionjoint.replay.free_runs import Replay, friction_of, friction_spec, replay_rms
+from frictionjoint.report.entries import LogEntry, SimulatedPosition
+from frictionjoint.report.joint_report import Report
 
 # where no torque is known, nothing can be replayed: before and after
 _NO_REPLAY = [Rms(None, None), Rms(None, None)]
@@ -131,7 +127,7 @@ def _posterior(
         vector, values, spread = refined.vector, refined.values, refined.cov
 
     def made(x: Array) -> JointFriction:
-        # what the logs hardly tell may lie far outside of what is possible
+        # what the logs do not determine may lie far outside of what is possible
         return friction_of(vector.fit(np.clip(x, vector.low, vector.high)))
 
     return Posterior.of(values, spread, made, vector.has_gain)

@@ -36,11 +36,14 @@ def chosen(now: Scored, tried: Sequence[Tried]) -> Choice | None:
     singles = [t for t in named if len(t.move.added) == 1]
     best = _least(singles)
     pair = _least([t for t in named if len(t.move.added) > 1])
-    if pair and (not best or _clearly(pair, best)):
+    # the second effect must explain enough to be accepted by itself
+    if pair and (
+        not best or (pair.score.better(best.score) and pair.score.gain(best.score) >= SMALLEST_GAIN)
+    ):
         best = pair
     unnamed = _least([t for t in good if t.move.unnamed])
-    # a curve, which bends with the data, does not take the place of an effect that explains hardly
-    # less: it may come in beside that
+    # a curve, which bends with the data, does not take the place of an effect that explains almost
+    # as much: it may be added to it
     if unnamed and (not best or _much_before(unnamed, best, now)):
         return Choice(unnamed)
     if not best:
@@ -64,17 +67,12 @@ def chosen(now: Scored, tried: Sequence[Tried]) -> Choice | None:
 
 
 def beyond_chance(move: Move, seen: Look) -> bool:
-    """Whether chance hardly explains as much, over the whole family of candidates.
+    """Whether chance seldom explains as much, over the whole family of candidates.
 
     Effects that are certain to exist are tested only for size.
     """
     asked = [seen.find(c).p_value for c in move.added if not c.comes_first]
     return min(asked, default=0.0) <= SIGNIFICANCE
-
-
-def _clearly(one: Tried, other: Tried) -> bool:
-    """Whether adding one effect to a model with another effect explains enough to accept it."""
-    return one.score.better(other.score) and one.score.gain(other.score) >= SMALLEST_GAIN
 
 
 def _much_before(unnamed: Tried, best: Tried, now: Scored) -> bool:

@@ -69,30 +69,31 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
     forms = _best_of_each_form(coarse, start, start.effects, terms)
 
-    def beside(term: EffectTerm) -> Fit:
+    def added(term: EffectTerm) -> Fit:
         return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, COMPARING_STEPS)
 
-    return judged(prepared, fitted, forms, beside, rng)
+    return judged(prepared, fitted, forms, added, rng)
 
 
 def judged(
     prepared: Prepared,
     fitted: Fit,
     forms: Sequence[Ranked],
-    beside: Callable[[EffectTerm], Fit],
+    added: Callable[[EffectTerm], Fit],
     rng: np.random.Generator,
 ) -> Driven | None:
     """The leading effects of the drive, fitted to all samples and scored.
 
     Args:
-        forms: of each effect, best first. beside: the model with one of them.
+        forms: of each effect, best first. added: fits the model with one of them.
     """
-    order = [pair for k, pair in enumerate(forms) if _is_first_of_its_name(k, forms)]
+    names = [term.name for _, term in forms]
+    order = [pair for k, pair in enumerate(forms) if names[k] not in names[:k]]
     blocks = make_blocks(prepared, fitted)
     now = scored(fitted, blocks)
     tried = []
     for _, term in order[:_LEADERS]:
-        found = beside(term)
+        found = added(term)
         moved = found.effects[-1]
         assert isinstance(moved, EffectTerm)
         if found.acting >= LEAST_ACTING:
@@ -141,12 +142,8 @@ def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     ]
 
 
-def _is_first_of_its_name(k: int, ranked: Sequence[Ranked]) -> bool:
-    return all(term.name != ranked[k][1].name for _, term in ranked[:k])
-
-
 def _best_of_each_form(
-    coarse: Prepared, start: Fit, beside: tuple[Term, ...], terms: Sequence[EffectTerm]
+    coarse: Prepared, start: Fit, others: tuple[Term, ...], terms: Sequence[EffectTerm]
 ) -> list[Ranked]:
     """For each form of an effect, the size with the smallest residual on thinned logs, best first.
 
@@ -154,7 +151,7 @@ def _best_of_each_form(
     """
 
     def begun(term: EffectTerm) -> Place:
-        search = Search(coarse, timed(coarse, (*beside, term), start.shape), start.shape)
+        search = Search(coarse, timed(coarse, (*others, term), start.shape), start.shape)
         x = search.start
         return Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x)
 

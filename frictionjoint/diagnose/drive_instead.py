@@ -16,14 +16,7 @@ from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import (
-    State,
-    as_much,
-    compared,
-    is_small,
-    numbers_of,
-    without,
-)
+from frictionjoint.diagnose.state import State, as_much, compared, is_small, numbers_of, without
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
@@ -35,7 +28,7 @@ from frictionjoint.identify.weights import reweighed
 
 
 def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
-    """Replace an effect of the joint by an effect of the drive if it explains hardly more.
+    """Replace an effect of the joint by one of the drive that explains almost as much.
 
     The effect of the drive has no more numbers; the replaced effect becomes a tie.
 

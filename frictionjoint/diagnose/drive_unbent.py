@@ -37,11 +37,11 @@ def look_at_hidden_drive(
         return None
     own = [forms_like(fitted.shape)]
 
-    def beside(term: EffectTerm) -> Fit:
+    def added(term: EffectTerm) -> Fit:
         return unbent(prepared, (*fitted.effects, term), own)
 
     anew = unbent(prepared, fitted.effects, own)
-    return judged(prepared, best_of([fitted, anew], lambda f: f.drive_rms), forms, beside, rng)
+    return judged(prepared, best_of([fitted, anew], lambda f: f.drive_rms), forms, added, rng)
 
 
 def _promising(prepared: Prepared, fitted: Fit) -> list[Ranked]:

@@ -19,9 +19,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.decisions import CONCENTRATED
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.eigenvalues import eigh
-from frictionjoint.identify.basis import DEPENDENT, pseudo_inverse, without
+from frictionjoint.identify.basis import DEPENDENT, lengths, pseudo_inverse, without
 from frictionjoint.identify.blocks import Blocks, Folds, whitened
-from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.timing import Timing
 
@@ -190,7 +189,8 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
             at = layout.coefficients(i)
             target += fitted.jacobian[:, at] @ fitted.beta[at]
     wrong = () if blocks.law_errors is None else (blocks.law_errors,)
-    law = _unit(np.hstack([fitted.jacobian[:, base], fitted.begun, *wrong]) * w)
+    law = np.hstack([fitted.jacobian[:, base], fitted.begun, *wrong]) * w
+    law = law / lengths(law)
     sets = [fitted.jacobian[:, k] for k in own]
     sets += [c.columns if c.begun is None else np.hstack([c.columns, c.begun]) for c in candidates]
     edges = np.cumsum([0, *(x.shape[1] for x in sets)])
@@ -234,7 +234,3 @@ def _ranges(fitted: Fit, own: Sequence[Columns], candidates: Sequence[Candidate]
         pairs += c.bounds or ((-np.inf, np.inf),) * c.columns.shape[1]
         pairs += ((-np.inf, np.inf),) * (0 if c.begun is None else c.begun.shape[1])
     return np.array(pairs).reshape(-1, 2).T
-
-
-def _unit(X: Array) -> Array:
-    return X / lengths(X)

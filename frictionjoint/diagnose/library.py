@@ -15,21 +15,15 @@ from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import TEMP, Q, parts_of_load
-from frictionjoint.identify.basis import without
+from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
-from frictionjoint.identify.design import lengths, term_bounds
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm, MissingTerm
+from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.search import HEARD
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.smooth import (
-    VARIABLES,
-    HysteresisTerm,
-    LogTerm,
-    SplineTerm,
-    quantity,
-)
+from frictionjoint.identify.smooth import VARIABLES, HysteresisTerm, LogTerm, SplineTerm, quantity
 from frictionjoint.identify.swing import swings, swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 from frictionjoint.identify.timing import DriveTiming, TargetTiming

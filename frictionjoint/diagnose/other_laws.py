@@ -12,8 +12,7 @@ from scipy.optimize import nnls
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.base_fit import CONSTRAINT, better_form
-from frictionjoint.identify.basis import without
-from frictionjoint.identify.design import lengths
+from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip

@@ -6,12 +6,7 @@ from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.nearest import (
-    Replayed,
-    drop_what_moves_worse,
-    moving_nearest,
-    nearer,
-)
+from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, moving_nearest, nearer
 from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.sight import sight
@@ -69,7 +64,7 @@ def finish_search(
     if state.fit.effects or not_given:
         findings = _settled(state, replayed, by_motion, rng)
     prepared, base = alone
-    base = _finished(prepared, base)
+    base = with_assumptions(prepared, with_last_freedoms(prepared, base), stated_covariance)
     if findings or not_given:
         state.fit = with_assumptions(state.prepared, state.fit, stated_covariance)
     else:
@@ -100,7 +95,7 @@ def _settled(
     if by_motion and moving_nearest(state, replayed):
         drop_idle(state)
     drop_what_moves_worse(state, replayed)
-    # beside another law, or fewer effects, others may explain as much now
+    # with another law, or fewer effects, others may explain as much now
     weigh_others(state)
     settle_ties(state)
     return restated(state, rng)
@@ -109,11 +104,6 @@ def _settled(
 def _alike_hint(one: str, other: str) -> str:
     first, second = (name.removesuffix("_c") for name in (one, other))
     return f"These logs do not show whether it is {first} or {second}: each explains as much."
-
-
-def _finished(prepared: Prepared, fitted: Fit) -> Fit:
-    """The law alone, with stiffness and damping decided."""
-    return with_assumptions(prepared, with_last_freedoms(prepared, fitted), stated_covariance)
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:

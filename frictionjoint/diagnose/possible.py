@@ -7,9 +7,8 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import DISCREPANCY, SURELY, TIE
-from frictionjoint.identify.basis import without
+from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
-from frictionjoint.identify.design import lengths
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import shape_limits
 from frictionjoint.identify.terms import DriveTerm, EffectTerm

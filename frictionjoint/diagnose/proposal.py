@@ -11,16 +11,14 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import loose_parameters
 from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.diagnose.motion_as_log import Carried, payload_of, prepared_motion
 from frictionjoint.diagnose.motions import (
     DURATIONS,
-    Carried,
     Limits,
     Motion,
     between,
     family,
     least_travel,
-    payload_of,
-    prepared_motion,
     sampling,
     seen,
     wider,

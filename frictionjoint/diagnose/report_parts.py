@@ -23,7 +23,7 @@ from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.replay.free_runs import Replay
 from frictionjoint.replay.loops import LoopErrors
 from frictionjoint.replay.windows import WINDOW_S
-from frictionjoint.report.joint_report import (
+from frictionjoint.report.entries import (
     Added,
     Curve,
     Evidence,

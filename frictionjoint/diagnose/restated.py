@@ -28,14 +28,7 @@ from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked, look
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import (
-    State,
-    as_much,
-    needed,
-    numbers_of,
-    with_fewer,
-    without,
-)
+from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
 from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of

@@ -11,9 +11,7 @@ from frictionjoint.identify.gate import check_fit, load_shows, scale_is_determin
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.refine import Refined
 from frictionjoint.refine.refined_model import RefinedModel, refined_in_windows
-from frictionjoint.replay.free_runs import (
-    simulated_whole,
-)
+from frictionjoint.replay.free_runs import simulated_whole
 from frictionjoint.replay.loops import LoopErrors
 
 # standard error of a gain over the gain, beyond which it may as well be any

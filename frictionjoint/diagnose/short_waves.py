@@ -1,4 +1,4 @@
-"""Waves in position that are hardly longer than the travel."""
+"""Waves in position that are not much longer than the travel."""
 
 from collections.abc import Sequence
 

@@ -11,8 +11,8 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import LOAD, TIME, A, H, Q, V
 from frictionjoint.identify.blocks import Blocks
-from frictionjoint.identify.design import kept
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.search import FEWEST_WAVES, HALF_A_WAVE
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import WaveTerm

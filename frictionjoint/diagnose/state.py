@@ -3,13 +3,7 @@
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from frictionjoint.decisions import (
-    APART,
-    DISCREPANCY,
-    DRIVE_DISCREPANCY,
-    SMALLEST_GAIN,
-    TIE,
-)
+from frictionjoint.decisions import APART, DISCREPANCY, DRIVE_DISCREPANCY, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import library
@@ -134,7 +128,7 @@ def apart(one: Scored, other: Scored) -> bool:
 
 
 def as_much(one: Scored, other: Scored) -> bool:
-    """Whether a model explains hardly less than another with a smaller residual."""
+    """Whether a model explains almost as much as another with a smaller residual."""
     return not other.better(one) or other.gain(one) < TIE
 
 

@@ -50,3 +50,10 @@ def without(X: Array, known: Array) -> Array:
     rows = np.array(X.T, order="C")
     rows -= (rows @ basis) @ basis.T
     return np.asarray(rows.T)
+
+
+def lengths(X: Array) -> Array:
+    """Norms of the columns for scaling: 1 for zero columns, shape (k,)."""
+    norm: Array = np.linalg.norm(X, axis=0)
+    norm[norm == 0.0] = 1.0
+    return norm

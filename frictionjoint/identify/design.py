@@ -7,20 +7,20 @@
 All columns and the target pass the same filter (`Segment.lowpass`).
 """
 
-from collections.abc import Iterable, Iterator
 from functools import partial
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, V
+from frictionjoint.effects.signals import H
+from frictionjoint.identify.basis import lengths
 from frictionjoint.identify.bundle import Bundle, Spectra
-from frictionjoint.identify.layout import LEAST_LEVEL, Layout, layout_of
+from frictionjoint.identify.law_signals import columns_of_term, with_track
+from frictionjoint.identify.layout import LEAST_LEVEL, Layout, layout_of, term_bounds
 from frictionjoint.identify.motor_torque import with_motor
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.terms import (
     DriveTerm,
     EffectTerm,
@@ -320,43 +320,6 @@ def _with(shape: tuple[float, ...], j: int, x: float) -> tuple[float, ...]:
     return (*shape[:j], x, *shape[j + 1 :])
 
 
-def kept(segment: Segment, x: Array) -> Array:
-    """Signals of a log, filtered and reduced to the kept samples."""
-    return segment.lowpass(x)[segment.kept]
-
-
-def full_signals(prepared: Prepared, shape: Shape, Fc: float, sigma2: float) -> list[Array]:
-    """Signals of each log with H, RATE and MOTOR filled in for a law."""
-    (whole,) = prepared.bundles(1)
-    found = list(with_track(whole.tracks.along(shape), whole))
-    for signals in found:
-        signals[:, MOTOR] = balance(signals, Fc, sigma2)
-    return found
-
-
-def with_track(track: Array, bundle: Bundle[Segment]) -> Iterator[Array]:
-    """Signals of each log with H and RATE of a law, shape (2, n), filled in."""
-    for segment, own in zip(bundle.logs, bundle.places, strict=True):
-        signals = segment.signals.copy()
-        signals[:, H], signals[:, RATE] = track[:, own]
-        yield signals
-
-
-def columns_of_term(term: Term, signals: Iterable[Array], part: Bundle[Segment]) -> Array:
-    """Columns of a term along each log of a bundle, on the kept samples, (m, k)."""
-    logs = zip(part.logs, signals, strict=True)
-    return part.kept(np.concatenate([term.columns(s, x) for s, x in logs]).T)
-
-
-def balance(signals: Array, Fc: float, sigma2: float) -> Array:
-    """Torque of the rigid body plus friction, N m, shape (n,).
-
-    Args:
-        signals: of the motion, with the hysteresis torque over Fc in column H.
-    """
-    return np.asarray(signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V])
-
-
 def coefficient_bounds(prepared: Prepared, layout: Layout) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
     least = {"load": 1e-12, "Fc": LEAST_LEVEL, "sigma1": 0.0, "sigma2": 0.0}
@@ -365,31 +328,6 @@ def coefficient_bounds(prepared: Prepared, layout: Layout) -> tuple[Array, Array
         pairs += term_bounds(prepared, term)
     low, high = np.array(pairs).T
     return low, high
-
-
-def term_bounds(prepared: Prepared, term: Term) -> list[tuple[float, float]]:
-    """Range of each coefficient of a term, in units of the drive."""
-    bounds: tuple[tuple[float, float], ...] = ()
-    unit = 1.0
-    if isinstance(term, SmoothTerm):
-        bounds = term.bounds
-    elif isinstance(term, EffectTerm):
-        bounds = term.effect.bounds
-        if term.effect.of_inertia:
-            unit = float(np.median([s.noise.inertia for s in prepared.segments]))
-    # with an unknown gain only the sign of a bound survives
-    survives = not prepared.gain_unknown or unit != 1.0
-    return [
-        (lo * unit if lo == 0.0 or survives else -np.inf, hi * unit if survives else np.inf)
-        for lo, hi in bounds or ((-np.inf, np.inf),) * len(term.coefficients)
-    ]
-
-
-def lengths(X: Array) -> Array:
-    """Norms of the columns for scaling: 1 for zero columns, shape (k,)."""
-    norm: Array = np.linalg.norm(X, axis=0)
-    norm[norm == 0.0] = 1.0
-    return norm
 
 
 def solve(X: Array, y: Array, low: Array, high: Array) -> Array:

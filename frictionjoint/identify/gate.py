@@ -25,7 +25,7 @@ from scipy.optimize import nnls
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError, few
-from frictionjoint.identify.basis import pseudo_inverse
+from frictionjoint.identify.basis import lengths, pseudo_inverse
 from frictionjoint.identify.error_messages import driven, too_large, turned_round, unexplained
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
@@ -243,8 +243,7 @@ def _left(b: Balance, gain_unknown: bool) -> float:
     friction = np.column_stack([b.elements, b.side, b.v])
     X = np.column_stack([b.load, friction]) if gain_unknown else friction
     target = b.drive if gain_unknown else b.drive - b.load
-    size = np.linalg.norm(X, axis=0)
-    size[size == 0.0] = 1.0
+    size = lengths(X)
     return float(nnls(X / size, target)[1] / np.linalg.norm(b.drive))
 
 
@@ -317,8 +316,7 @@ def _blocks(n: int) -> NDArray[np.int64]:
 
 def _regression(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Array]:
     """Least squares, and its covariance if samples within a block are not independent."""
-    size = np.linalg.norm(X, axis=0)
-    size[size == 0.0] = 1.0
+    size = lengths(X)
     Z = X / size
     beta = _solved(Z, y)
     return beta / size, _errors(Z, y - Z @ beta, block) / np.outer(size, size)

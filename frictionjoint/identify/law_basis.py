@@ -15,6 +15,7 @@ from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import Q, V
+from frictionjoint.identify.basis import lengths
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.law_start import falls
 from frictionjoint.identify.layout import layout_of
@@ -111,8 +112,7 @@ class LawBasis:
         if not damped:
             own = own[:, : -len(self.reaches)]
         X = np.hstack([own, others[:, :known], free, -free])
-        size = np.linalg.norm(X * weight[:, None], axis=0)
-        size[size == 0.0] = 1.0
+        size = lengths(X * weight[:, None])
         R = np.asarray(np.linalg.qr(np.column_stack([X / size, y]) * weight[:, None], mode="r"))
         beta = nnls(R[:, :-1], R[:, -1], maxiter=20 * X.shape[1])[0] / size
         residual = y - X @ beta

@@ -1,11 +1,14 @@
-"""Index of each parameter of a model: linear coefficients first, then nonlinear numbers."""
+"""Index and range of each parameter of a model: linear coefficients, then nonlinear numbers."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.smooth import SmoothTerm
+from frictionjoint.identify.terms import EffectTerm, Term
 
 # bound of the Coulomb level, in units of the drive: a law needs one above zero
 LEAST_LEVEL = 1e-12
@@ -84,3 +87,21 @@ def layout_of(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> Layout
         "sigma1": damped,
     }
     return Layout(tuple(name for name, on in used.items() if on), law.variables, terms)
+
+
+def term_bounds(prepared: Prepared, term: Term) -> list[tuple[float, float]]:
+    """Range of each coefficient of a term, in units of the drive."""
+    bounds: tuple[tuple[float, float], ...] = ()
+    unit = 1.0
+    if isinstance(term, SmoothTerm):
+        bounds = term.bounds
+    elif isinstance(term, EffectTerm):
+        bounds = term.effect.bounds
+        if term.effect.of_inertia:
+            unit = float(np.median([s.noise.inertia for s in prepared.segments]))
+    # with an unknown gain only the sign of a bound survives
+    survives = not prepared.gain_unknown or unit != 1.0
+    return [
+        (lo * unit if lo == 0.0 or survives else -np.inf, hi * unit if survives else np.inf)
+        for lo, hi in bounds or ((-np.inf, np.inf),) * len(term.coefficients)
+    ]

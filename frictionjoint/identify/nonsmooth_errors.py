@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.basis import orthonormal
-from frictionjoint.identify.design import lengths
+from frictionjoint.identify.basis import lengths, orthonormal
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.search import Search

@@ -3,8 +3,7 @@
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.basis import without
-from frictionjoint.identify.design import lengths
+from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.fit import Fit
 
 

@@ -29,7 +29,7 @@ class Estimate:
 
     @property
     def is_loose(self) -> bool:
-        """Whether the logs hardly determine it: no standard error, or one beyond half of it."""
+        """Whether the logs do not determine it: no standard error, or one beyond half of it."""
         return self.stderr is None or self.stderr > LOOSE * abs(self.value)
 
     def to_dict(self) -> dict[str, float | str | None]:
@@ -119,7 +119,7 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
         for name, value in _law_values(fitted, moved).items():
             if at[i] >= 0 and value != values[name]:
                 gradients[name][i] = (value - values[name]) / h
-    # Fs and Vs mean little where friction hardly rises above the Coulomb level
+    # Fs and Vs mean little where friction barely rises above the Coulomb level
     rises = [x / values["Fc" + name[2:]] for name, x in values.items() if name[:2] == "Fs"]
     flat = bool(rises) and max(rises) <= 1.0 + _FLAT
     units, shape = units_of(fitted, slide), fitted.shape

@@ -150,7 +150,7 @@ class Segment:
         f, power = f[inside], power[inside]
         ratio = f / self.corner_hz
         # white noise of a position is one of the acceleration that grows as the fourth power of
-        # the frequency; near the corner of the motion there is hardly anything else
+        # the frequency; near the corner of the motion there is almost nothing else
         growing, top = steep(ratio) ** 2 * ratio**4, ratio > _NOISE_FROM
         noise = growing * (np.median(power[top] / growing[top]) if top.any() else 0.0)
         # up to where half of the power is noise for the first time, whatever lines lie beyond; the

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.design import Balance, balance, full_signals
+from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.law_signals import balance, full_signals
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import delay_of
 

@@ -131,7 +131,7 @@ class Form:
     virgin: Virgin
 
 
-# Exponents with closed-form steps: a log hardly distinguishes those in between, and they cost more
+# Exponents with closed-form steps: a log barely distinguishes those in between, and they cost more
 # times faster.
 _EXPONENTS = (1.0, 2.0, 4.0)
 _SHARP = 12.0

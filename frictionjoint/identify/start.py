@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array, Index
-from frictionjoint.identify.design import Balance, lengths
+from frictionjoint.identify.basis import lengths
+from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import IN_MOTION, Fit
 from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.search import ROUGH, refit

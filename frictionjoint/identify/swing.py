@@ -4,7 +4,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.design import id_of, kept
+from frictionjoint.identify.design import id_of
+from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, Term
 

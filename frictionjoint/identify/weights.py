@@ -58,7 +58,7 @@ def _errors(prepared: Prepared, sticking: Sequence[Array], residual: Array) -> E
 def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:
     """Expected residuals of a fit on logs that it was not fitted to.
 
-    Logs with hardly any sticking determine no stiffness, and no friction at rest.
+    Logs with almost no sticking determine no stiffness, and no friction at rest.
 
     Args:
         prepared: the logs it was fitted to. cov: of its parameters.

@@ -15,7 +15,7 @@ FS, FC, VS, DELTA, SIGMA2 = range(5)
 ZERO = 746.0
 # and below this it is three terms of its series
 SLOW = 1e-5
-# from here on it is lost beside a Coulomb torque that is not next to nothing
+# from here on it is lost in rounding next to any Coulomb torque that is not tiny
 FAST, SMALL_PART = 50.0, 1e-5
 
 

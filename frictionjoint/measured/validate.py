@@ -32,8 +32,8 @@ _LARGEST = {
     "temperature_c": (200.0, "degrees Celsius (kelvin?)"),
 }
 # A reading held while the joint went on shows as a leap over more counts than this, more times as
-# far as the steps beside it; no inertia allows one. Logs of servos at 50 Hz make up to 3% of their
-# travel so, where a bus loses messages it is most of it. A few leaps may be anything.
+# far as the neighbouring steps; no inertia allows one. Logs of servos at 50 Hz make up to 3% of
+# their travel so, where a bus loses messages it is most of it. A few leaps may be anything.
 _LEAP_COUNTS, _LEAP_ALONE, _MOST_LEAPT, _FEWEST_LEAPS = 4.5, 4.0, 0.25, 10
 _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
@@ -175,7 +175,7 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
 
 
 def _travel_leapt(time: Array, position: Array) -> float:
-    """Fraction of all travel made in single samples with hardly any motion before and after.
+    """Fraction of all travel made in single samples with almost no motion before and after.
 
     A gap in time is no jump.
     """
@@ -226,7 +226,7 @@ def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
     if speed_name not in columns:
         return
     power, cross, slope = _compare(columns["time_s"], columns[name], columns[speed_name])
-    # Where the two hardly correlate the joint hardly moves, and units cannot be inferred.
+    # Where the two barely correlate the joint barely moves, and units cannot be inferred.
     sure = cross * cross > 0.25 * power * slope
     if sure and not 0.5 < cross / power < 2.0:
         raise LogError(
@@ -249,7 +249,7 @@ def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, 
 def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
     """Compare the units of target and position, because a position follows its target.
 
-    A joint may stick and hardly move, but does not run far beyond its target. If it moves less,
+    A joint may stick and barely move, but does not run far beyond its target. If it moves less,
     only the exact factor of degrees or millimetres counts as a wrong unit, and only for a target
     with much motion.
     """

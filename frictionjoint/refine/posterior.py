@@ -93,7 +93,7 @@ class Posterior:
         """Draw parameter sets, for `install`.
 
         Raises:
-            ParameterError: fewer than one requested; a negative seed; hardly any drawn set is
+            ParameterError: fewer than one requested; a negative seed; almost no drawn set is
                 possible.
         """
         if n < 1 or seed < 0:

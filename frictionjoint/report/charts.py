@@ -12,7 +12,8 @@ from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.parameters import Friction
-from frictionjoint.report.joint_report import Curve, Report, SimulatedPosition
+from frictionjoint.report.entries import Curve, SimulatedPosition
+from frictionjoint.report.joint_report import Report
 from frictionjoint.report.turning_points import turns
 from frictionjoint.report.wording import axis, drive_name
 

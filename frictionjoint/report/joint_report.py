@@ -1,163 +1,41 @@
 """Results of `close_loop` as plain data: the content of report.json and of the page."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, Self, get_args
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
 from frictionjoint.decisions import HARM
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import toml_document
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rms import Rms
-from frictionjoint.joint_friction import JointFriction, SimulatedEffect
-from frictionjoint.measured.log import JointLog
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refined_model import RefinedModel
 from frictionjoint.replay.loops import LoopErrors
 from frictionjoint.report.content import content_of
+from frictionjoint.report.entries import (
+    Added,
+    Curve,
+    Interval,
+    Intervals,
+    LogEntry,
+    Looked,
+    Role,
+    SimulatedPosition,
+    Torsion,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Role = Literal["fit", "held-out"]
 Verdict = Literal["explained", "partly-explained", "no-effect-found", "too-short-to-tell"]
-Interval = tuple[float, float]
-Intervals = tuple[Interval, Interval]
 SCHEMA = "frictionjoint/report-1"
-
-
-@dataclass(frozen=True)
-class LogEntry:
-    """A log in the report."""
-
-    name: str
-    samples: int
-    duration_s: float
-    role: Role
-
-    @classmethod
-    def of(cls, log: JointLog, role: Role) -> Self:
-        """From a log."""
-        return cls(log.name, len(log.time), log.duration, role)
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """Why an effect was added; see ``diagnose.trace``."""
-
-    held_out_gain: float
-    p_value: float
-    selection_frequency: float
-    runner_up: str | None
-    margin: float
-    ties: tuple[str, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """As in report.json; ties are listed where there are any."""
-        return {name: x for name, x in asdict(self).items() if name != "ties" or x}
-
-
-@dataclass(frozen=True)
-class Added:
-    """An effect that was added to the model; `cause` is the text of the catalogue."""
-
-    effect: str
-    cause: str
-    parameters: dict[str, Estimate]
-    evidence: Evidence
-    torque_rms: Rms
-
-
-@dataclass(frozen=True)
-class Curve:
-    """Time series of one log for the plots, each of shape (n,).
-
-    `before` and `after` are the predictions of `measured`, the drive of the final model. `given` is
-    the drive of the model before, which effects of the drive change. `friction` is the law's part
-    of `after`. `in_motion` marks the samples whose torque the position determines; errors are of
-    these.
-    """
-
-    name: str
-    role: Role
-    time: Array
-    position: Array
-    velocity: Array
-    given: Array
-    measured: Array
-    before: Array
-    after: Array
-    friction: Array
-    in_motion: NDArray[np.bool_]
-    quantities: dict[str, Array]
-
-
-@dataclass(frozen=True)
-class SimulatedPosition:
-    """Measured and simulated position of one log, each of shape (n,), rad (m).
-
-    Without a controller the simulation restarts from the log every 0.5 s; there `before` and
-    `after` are NaN. With a controller it follows the target from the first sample.
-    """
-
-    name: str
-    role: Role
-    time: Array
-    measured: Array
-    before: Array
-    after: Array
-    target: Array | None = None
-
-
-@dataclass(frozen=True)
-class Ranked:
-    """A candidate with its cross-validated gain."""
-
-    effect: str
-    gain: float
-    p_value: float
-
-
-@dataclass(frozen=True)
-class Looked:
-    """One step of the search, with all candidates, best first.
-
-    Attributes:
-        chosen: the effect that was added, runner_up: the next best; None if there is none.
-    """
-
-    chosen: str | None
-    runner_up: str | None
-    rows: tuple[Ranked, ...]
-
-
-@dataclass(frozen=True)
-class Torsion:
-    """The gear of one joint.
-
-    Attributes:
-        ratio: turns of the motor per turn of the link. twist_rms: without its mean, rad.
-        geared: by joint, turns of the motor with another joint relative to those with the link.
-        left_rms: rms of the unexplained twist, rad.
-        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad.
-        link_position_older: delay T of the link's position with respect to the motor's, s. Each is
-            None if the logs do not show it.
-    """
-
-    ratio: float
-    geared: dict[str, float]
-    twist_rms: float
-    left_rms: float
-    stiffness: Estimate | None
-    backlash: Estimate | None
-    hysteresis: Estimate | None
-    link_position_older: Estimate | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -361,11 +239,14 @@ class Report:
         return {"after": pair[1]} if self.other_before else {"before": pair[0], "after": pair[1]}
 
     def _content(self) -> dict[str, Any]:
+        carried = self.carried
         optional = {
             "refined": self._refined() if self.refined else None,
             "posterior": self.posterior,
             "recordings": self.recordings,
-            "model": toml_document(*_both(self.carried)).unwrap() if self.carried else None,
+            "model": toml_document(carried.parameters, carried.effects).unwrap()
+            if carried
+            else None,
         }
         return {
             "schema": SCHEMA,
@@ -407,7 +288,3 @@ class Report:
             "notes": self.notes,
             "verdict": self.verdict,
         }
-
-
-def _both(carried: JointFriction) -> tuple[Friction, tuple[SimulatedEffect, ...]]:
-    return carried.parameters, carried.effects

@@ -10,7 +10,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rms import Rms
 from frictionjoint.report.content import content_of
-from frictionjoint.report.joint_report import Evidence, LogEntry, Report, Verdict
+from frictionjoint.report.entries import Evidence, LogEntry
+from frictionjoint.report.joint_report import Report, Verdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from frictionjoint.report.joint_report import Curve
+from frictionjoint.report.entries import Curve
 
 
 def turns(c: Curve, size: float) -> list[slice]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
-from frictionjoint.identify.design import kept
+from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.rigid_body import RigidBody, direction
 from frictionjoint.identify.segment import Segment
 from frictionjoint.robot.corrections import Corrections, Shaft, levelling

@@ -25,7 +25,8 @@ from frictionjoint.measured.arguments import require_seed
 from frictionjoint.model_files import compile_model, read_spec
 from frictionjoint.model_text import model_text
 from frictionjoint.replay.free_runs import friction_spec, replay_joints
-from frictionjoint.report.joint_report import Evidence, Report
+from frictionjoint.report.entries import Evidence
+from frictionjoint.report.joint_report import Report
 from frictionjoint.report.robot_report import (
     RobotErrors,
     RobotReport,

@@ -7,8 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.library import effects
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.identify.basis import orthonormal
-from frictionjoint.identify.design import lengths
+from frictionjoint.identify.basis import lengths, orthonormal
 from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.joint import FittedJoint

@@ -27,7 +27,8 @@ from frictionjoint.identify.start import predict, settled
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import replay, replay_rms
 from frictionjoint.replay.loops import LoopErrors, Loops
-from frictionjoint.report.joint_report import Interval, Report
+from frictionjoint.report.entries import Interval
+from frictionjoint.report.joint_report import Report
 from frictionjoint.robot.along import Along
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.corrections import Corrections, Shaft

@@ -14,8 +14,7 @@ from scipy.linalg import qr
 
 from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
-from frictionjoint.identify.basis import pseudo_inverse, without
-from frictionjoint.identify.design import lengths
+from frictionjoint.identify.basis import lengths, pseudo_inverse, without
 from frictionjoint.robot.causes.catalogue import body_label, rigid_links
 from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.inertia import NAMES

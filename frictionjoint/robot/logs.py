@@ -14,7 +14,7 @@ from frictionjoint.measured.long_logs import bounded
 from frictionjoint.measured.readers import read_log
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
-from frictionjoint.report.joint_report import LogEntry, Role
+from frictionjoint.report.entries import LogEntry, Role
 
 LogLike = JointLog | str | Path
 # of a log among those of a joint: its name, and how many before it have that

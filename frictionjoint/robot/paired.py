@@ -10,7 +10,7 @@ from scipy.stats import t as student
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.blocks import CORRELATION_TIMES, correlation_time
-from frictionjoint.report.joint_report import Interval
+from frictionjoint.report.entries import Interval
 
 
 def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.design import term_bounds
+from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.causes.cause import Cause

@@ -5,9 +5,8 @@ converge. Undetermined numbers stay near the model's nominal values.
 """
 
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
 
 import numpy as np
 
@@ -21,12 +20,10 @@ from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.stack import Columns, Stack, roots
+from frictionjoint.robot.workers import Each
 
 # change of a joint's load over its residual, below which its law stays as it is
-_HARDLY = 0.01
-_T = TypeVar("_T")
-_R = TypeVar("_R")
-Each = Callable[[Callable[[_T], _R], Iterable[_T]], Iterable[_R]]
+_UNCHANGED = 0.01
 
 
 @dataclass(frozen=True)
@@ -99,7 +96,7 @@ def _fitted_again(
 def _followed(joint: FittedJoint) -> FittedJoint:
     """The law fitted again, from all starts if it may be biased."""
     # to first order the residual holds the shift already; a law adapts to a small one by less
-    if joint.shift is not None and root_mean_square(joint.shift) < _HARDLY * joint.rms:
+    if joint.shift is not None and root_mean_square(joint.shift) < _UNCHANGED * joint.rms:
         return joint
     again = joint.refitted()
     # if the causes removed 30% of the squares, the law may be in another minimum

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.basis import orthonormal
-from frictionjoint.identify.design import kept, lengths
+from frictionjoint.identify.basis import lengths, orthonormal
+from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.search import FEWEST_WAVES
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.gear_coupling import GearCoupling

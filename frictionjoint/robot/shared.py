@@ -26,7 +26,6 @@ from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import (
-    Each,
     Settled,
     covariance,
     fitted_with_common,
@@ -37,6 +36,7 @@ from frictionjoint.robot.settle import (
 from frictionjoint.robot.shaft_waves import with_waves
 from frictionjoint.robot.simpler import simpler
 from frictionjoint.robot.ties import restated
+from frictionjoint.robot.workers import Each
 
 _MOST_ROUNDS = 10
 
@@ -100,16 +100,15 @@ def shared_causes(
             seen = choose(looked, rng, now.joints[0].common_effects)
             new = [c for c in seen if c.candidate.cause is not None]
             single = [c.candidate for c in seen if not c.candidate.shared]
-            single_effects = frozenset(
-                f"{c.effect} of {joint}" for c in single for joint in c.joints
-            )
+            labels = frozenset(f"{c.effect} of {joint}" for c in single for joint in c.joints)
+            fits = _Fits(each, labels)
             common = _common(looked, seen)
             if not new:
                 break
             progress(
                 f"causes that joints share, found: {', '.join(c.candidate.label for c in new)}"
             )
-            grown = _grown(now, new, each, single_effects)
+            grown = fits.grown(now, new)
             if grown is None:
                 refused |= {c.candidate.cause for c in new[:1] if c.candidate.cause}
                 looked = looked.without(new[0].candidate)
@@ -117,31 +116,30 @@ def shared_causes(
             now, refused = grown, frozenset()
             tried.clear()
             continue
-        if simplest is None or simplest[0] is not now or simplest[1] != single_effects:
-            now, simplified = _simplified(now, open_ones, alike, each, single_effects)
+        if simplest is None or simplest[0] is not now or simplest[1] != fits.single_effects:
+            now, simplified = fits.simplified(now, open_ones, alike)
             if simplified:
                 tried.clear()
                 continue
-            simplest = now, single_effects
+            simplest = now, fits.single_effects
         terms = tuple(one.term for one, _ in common)
         if terms != now.joints[0].common_effects:
             # what all joints have alike has bent their laws
-            now = _settled(_with_common(now, terms, each), here, now.choices, each, single_effects)
-            now = _without_idle(now, each, single_effects)
+            now = fits.settled(fits.with_common(now, terms), here, now.choices)
+            now = fits.without_idle(now)
             continue
         if whole and not common:
             # no single link is wrong by so much; perhaps each is by a little
             open_ones, whole = [*open_ones, *whole], []
             continue
         tried.add(now.single_effects)
-        if not here.causes or single_effects in tried:
+        if not here.causes or fits.single_effects in tried:
             break
         # numbers that were fitted before effects of single joints were seen hold a part of them
-        now = _settled(now, here, now.choices, each, single_effects)
-    choices = restated(
-        now.joints, now.clock, now.settled.found, now.choices, open_ones, single_effects
-    )
-    return Shared(now.settled.with_covariance(single_effects), choices, common)
+        now = fits.settled(now, here, now.choices)
+    labels, found = fits.single_effects, now.settled.found
+    choices = restated(now.joints, now.clock, found, now.choices, open_ones, labels)
+    return Shared(now.settled.with_covariance(labels), choices, common)
 
 
 def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Choice], ...]:
@@ -180,155 +178,134 @@ class _Now:
         return self.settled.clock
 
 
-def _settled(
-    now: _Now,
-    found: Found,
-    choices: tuple[Choice, ...],
-    each: Each[FittedJoint, FittedJoint],
-    single_effects: frozenset[str],
-) -> _Now:
-    """The state with other causes, or with other effects of single joints."""
-    return _Now(settle(now.joints, found, each, single_effects), choices, single_effects)
+@dataclass(frozen=True)
+class _Fits:
+    """Changes of the state, each fitted.
 
-
-def _with_common(
-    now: _Now, terms: tuple[EffectTerm, ...], each: Each[FittedJoint, FittedJoint]
-) -> _Now:
-    """The state with the laws fitted together with common effects."""
-    joints = fitted_with_common(now.joints, terms, each)
-    return replace(now, settled=replace(now.settled, joints=joints))
-
-
-def _grown(
-    now: _Now,
-    new: Sequence[Choice],
-    each: Each[FittedJoint, FittedJoint],
-    single_effects: frozenset[str],
-) -> _Now | None:
-    """The state with all accepted causes, or only the first; None if neither improves the fit.
-
-    A cause must also be needed after the fit. The causes were accepted to first order; with
-    refitted laws they may not improve the fit.
+    Attributes:
+        each: a `map`. single_effects: labels of effects of single joints that are fitted too.
     """
-    for several in [new, new[:1]][: len(new)]:
-        trial = _without_idle(_with(now, several, each, single_effects), each, single_effects)
-        causes = [c.candidate.cause for c in several if c.candidate.cause]
-        parts = {part for c in causes for part, _ in parts_of(c, c.start)}
-        if parts.intersection(trial.settled.found.causes) and _nearer(trial, now, single_effects):
-            return trial
-    return None
 
+    each: Each[FittedJoint, FittedJoint]
+    single_effects: frozenset[str] = frozenset()
 
-def _with(
-    now: _Now,
-    new: Sequence[Choice],
-    each: Each[FittedJoint, FittedJoint],
-    single_effects: frozenset[str],
-) -> _Now:
-    """The state with accepted causes added.
+    def settled(self, now: _Now, found: Found, choices: tuple[Choice, ...]) -> _Now:
+        """The state with other causes, or with other effects of single joints."""
+        return _Now(
+            settle(now.joints, found, self.each, self.single_effects), choices, self.single_effects
+        )
 
-    A richer change of the same body or joint replaces the simpler one.
-    """
-    terms = tuple(c.candidate.common for c in new if c.candidate.common)
-    if terms:
-        now = _with_common(now, terms, each)
-    found, choices = now.settled.found, now.choices
-    for choice in new:
-        cause = choice.candidate.cause
-        if cause is None:
-            continue
-        numbers = numbers_of(choice.candidate, choice.numbers, cause.start)
-        for part, own in parts_of(cause, numbers):
-            at = [i for i, c in enumerate(found.causes) if c.changed == part.changed]
-            for i in reversed(at):
-                found, choices = found.without(i), choices[:i] + choices[i + 1 :]
-            found, choices = found.with_cause(part, own), (*choices, choice.of(part))
-    return _settled(now, found, choices, each, single_effects)
+    def with_common(self, now: _Now, terms: tuple[EffectTerm, ...]) -> _Now:
+        """The state with the laws fitted together with common effects."""
+        joints = fitted_with_common(now.joints, terms, self.each)
+        return replace(now, settled=replace(now.settled, joints=joints))
 
+    def grown(self, now: _Now, new: Sequence[Choice]) -> _Now | None:
+        """The state with all accepted causes, or only the first; None if neither improves the fit.
 
-def _simplified(
-    now: _Now,
-    causes: Sequence[Cause],
-    common: Sequence[EffectTerm],
-    each: Each[FittedJoint, FittedJoint],
-    single_effects: frozenset[str],
-) -> tuple[_Now, bool]:
-    """A cause replaced by one with fewer numbers that explains as much, and whether it was."""
-    found = now.settled.found
-    proposed = simpler(now.joints, now.clock, found, now.choices, causes, common, single_effects)
-    for out, several in proposed:
-        choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
-        rest = _Now(replace(now.settled, found=found.without(*out)), choices)
-        trial = _with(rest, several, each, single_effects)
-        # fewer numbers leave a joint a little more of the data they are fitted to
-        if not _explains_as_much(trial, now, single_effects):
-            continue
-        fewer = _without_idle(trial, each, single_effects)
-        if fewer is not trial and not _explains_as_much(fewer, now, single_effects):
-            continue
-        if not _deviates_more(fewer, now):
-            return fewer, True
-    return now, False
+        A cause must also be needed after the fit. The causes were accepted to first order; with
+        refitted laws they may not improve the fit.
+        """
+        for several in [new, new[:1]][: len(new)]:
+            trial = self.without_idle(self._with(now, several))
+            causes = [c.candidate.cause for c in several if c.candidate.cause]
+            parts = {part for c in causes for part, _ in parts_of(c, c.start)}
+            if parts.intersection(trial.settled.found.causes) and self._nearer(trial, now):
+                return trial
+        return None
 
+    def _with(self, now: _Now, new: Sequence[Choice]) -> _Now:
+        """The state with accepted causes added.
 
-def _explains_as_much(after: _Now, before: _Now, single_effects: frozenset[str]) -> bool:
-    """Whether causes leave the joints hardly more."""
-    return float(_left(after, before, single_effects).mean()) < 1.0 + HARM
+        A richer change of the same body or joint replaces the simpler one.
+        """
+        terms = tuple(c.candidate.common for c in new if c.candidate.common)
+        if terms:
+            now = self.with_common(now, terms)
+        found, choices = now.settled.found, now.choices
+        for choice in new:
+            cause = choice.candidate.cause
+            if cause is None:
+                continue
+            numbers = numbers_of(choice.candidate, choice.numbers, cause.start)
+            for part, own in parts_of(cause, numbers):
+                at = [i for i, c in enumerate(found.causes) if c.changed == part.changed]
+                for i in reversed(at):
+                    found, choices = found.without(i), choices[:i] + choices[i + 1 :]
+                found, choices = found.with_cause(part, own), (*choices, choice.of(part))
+        return self.settled(now, found, choices)
+
+    def simplified(
+        self, now: _Now, causes: Sequence[Cause], common: Sequence[EffectTerm]
+    ) -> tuple[_Now, bool]:
+        """A cause replaced by one with fewer numbers that explains as much, and whether it was."""
+        found = now.settled.found
+        proposed = simpler(
+            now.joints, now.clock, found, now.choices, causes, common, self.single_effects
+        )
+        for out, several in proposed:
+            choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
+            rest = _Now(replace(now.settled, found=found.without(*out)), choices)
+            trial = self._with(rest, several)
+            # fewer numbers leave a joint a little more of the data they are fitted to
+            if not self._explains_as_much(trial, now):
+                continue
+            fewer = self.without_idle(trial)
+            if fewer is not trial and not self._explains_as_much(fewer, now):
+                continue
+            if not _deviates_more(fewer, now):
+                return fewer, True
+        return now, False
+
+    def _explains_as_much(self, after: _Now, before: _Now) -> bool:
+        """Whether causes leave the joints not noticeably more."""
+        return float(self._left(after, before).mean()) < 1.0 + HARM
+
+    def _nearer(self, after: _Now, before: _Now) -> bool:
+        """Whether causes improve the fit of the joints, and worsen none noticeably."""
+        ratios = self._left(after, before)
+        return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + HARM
+
+    def _left(self, after: _Now, before: _Now) -> Array:
+        """Ratio of the sums of squares after and before, by joint, (J,), with effects of single
+        joints."""
+        found = []
+        for now in (after, before):
+            seen = screened(now.joints, now.clock, now.settled.found, self.single_effects)
+            squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
+            found.append(squares * [j.left**2 for j in seen.stack.joints])
+        return np.asarray(found[0] / found[1])
+
+    def without_idle(self, now: _Now) -> _Now:
+        """Remove, one after the other, causes without which the robot is predicted as well."""
+        fewer: _Now | None = now
+        while fewer is not None:
+            now, fewer = fewer, self._fewer(fewer)
+        return now
+
+    def _fewer(self, now: _Now) -> _Now | None:
+        """The state without the least needed cause; None if all are needed.
+
+        After refitting the other causes, the residual must be as small as predicted to first order.
+        The other causes may not compensate with numbers past their bounds.
+        """
+        found = now.settled.found
+        others = []
+        for i in range(len(found.causes)):
+            rest = found.without(i)
+            at = [j.corrected(rest.state) for j in now.joints]
+            others.append(screened(at, now.clock, rest, self.single_effects))
+        for i, promised in idle(
+            screened(now.joints, now.clock, found, self.single_effects), others
+        ):
+            choices = now.choices[:i] + now.choices[i + 1 :]
+            trial = self.settled(now, found.without(i), choices)
+            most = (1.0 + HARM) * max(1.0, float(promised.mean()))
+            if not _deviates_more(trial, now) and float(self._left(trial, now).mean()) <= most:
+                return trial
+        return None
 
 
 def _deviates_more(after: _Now, before: _Now) -> bool:
     """Whether bodies differ noticeably from the model's nominal values."""
     return nearer(before.settled.found.deviation, after.settled.found.deviation)
-
-
-def _nearer(after: _Now, before: _Now, single_effects: frozenset[str]) -> bool:
-    """Whether causes improve the fit of the joints, and worsen none noticeably."""
-    ratios = _left(after, before, single_effects)
-    return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + HARM
-
-
-def _left(after: _Now, before: _Now, single_effects: frozenset[str]) -> Array:
-    """Ratio of the sums of squares after and before, by joint, (J,), with effects of single
-    joints."""
-    found = []
-    for now in (after, before):
-        seen = screened(now.joints, now.clock, now.settled.found, single_effects)
-        squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
-        found.append(squares * [j.left**2 for j in seen.stack.joints])
-    return np.asarray(found[0] / found[1])
-
-
-def _without_idle(
-    now: _Now, each: Each[FittedJoint, FittedJoint], single_effects: frozenset[str]
-) -> _Now:
-    """Remove, one after the other, causes without which the robot is predicted as well."""
-    fewer: _Now | None = now
-    while fewer is not None:
-        now, fewer = fewer, _fewer(fewer, each, single_effects)
-    return now
-
-
-def _fewer(
-    now: _Now, each: Each[FittedJoint, FittedJoint], single_effects: frozenset[str]
-) -> _Now | None:
-    """The state without the least needed cause; None if all are needed.
-
-    After refitting the other causes, the residual must be as small as predicted to first order. The
-    other causes may not compensate with numbers past their bounds.
-    """
-    found = now.settled.found
-    others = []
-    for i in range(len(found.causes)):
-        rest = found.without(i)
-        at = [j.corrected(rest.state) for j in now.joints]
-        others.append(screened(at, now.clock, rest, single_effects))
-    for i, promised in idle(screened(now.joints, now.clock, found, single_effects), others):
-        choices = now.choices[:i] + now.choices[i + 1 :]
-        trial = _settled(now, found.without(i), choices, each, single_effects)
-        most = (1.0 + HARM) * max(1.0, float(promised.mean()))
-        if (
-            not _deviates_more(trial, now)
-            and float(_left(trial, now, single_effects).mean()) <= most
-        ):
-            return trial
-    return None

@@ -44,7 +44,8 @@ def simpler(
         single_effects: labels of effects of single joints that compete.
     """
     left = squares_left(joints, clock, found, single_effects)
-    for out in _ones_and_twos(len(found.causes)):
+    of_one, of_two = (itertools.combinations(range(len(found.causes)), k) for k in (1, 2))
+    for out in (*of_one, *of_two):
         gone = [found.causes[i] for i in out]
         rest, size = found.without(*out), sum(len(c.start) for c in gone)
         # what stays in the model anyway is for a smaller set to be replaced
@@ -79,11 +80,6 @@ def simpler(
                 tried.append((_size(several), float(squares.sum()), several))
         if tried:
             yield out, _choices(seen, known, _simplest(tried), choices[out[0]])
-
-
-def _ones_and_twos(count: int) -> Iterator[tuple[int, ...]]:
-    """Subsets of one and of two of n elements."""
-    return itertools.chain(*(itertools.combinations(range(count), k) for k in (1, 2)))
 
 
 def _opened(

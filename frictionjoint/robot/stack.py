@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.chance import surprise
-from frictionjoint.identify.basis import pseudo_inverse, without
+from frictionjoint.identify.basis import lengths, pseudo_inverse, without
 from frictionjoint.identify.blocks import folds_of
-from frictionjoint.identify.design import lengths
 from frictionjoint.robot.clock import Clock
 
 Columns = NDArray[np.int64]

@@ -17,12 +17,13 @@ from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import GEAR, TIME, Q, V
-from frictionjoint.identify.design import kept
+from frictionjoint.identify.basis import lengths
+from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.measured.log import JointLog
-from frictionjoint.report.joint_report import Torsion
+from frictionjoint.report.entries import Torsion
 
 # standard errors from which on a part of the twist is there
 _SURE = 4.0
@@ -47,7 +48,7 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     twist = np.concatenate([_twist(log, s, ratio, geared) for log, s in pairs])
     torque = np.concatenate([kept(s, s.signals[:, [GEAR]])[:, 0] for s in prepared.segments])
     offsets = _offsets(prepared)
-    size = root_mean_square(twist - offsets @ _mean(offsets, twist))
+    size = root_mean_square(twist - offsets @ (offsets.T @ twist / offsets.sum(axis=0)))
     # with no twist the second position was computed from the first
     if size <= 1e-6 * span or not np.ptp(torque):
         return None
@@ -188,16 +189,11 @@ def _cost(model: _Model) -> float:
 
 def _solved(X: Array, y: Array, positive: int) -> Array:
     """Least squares with the last coefficients not negative."""
-    size = np.linalg.norm(X, axis=0)
-    size[size == 0.0] = 1.0
+    size = lengths(X)
     low = np.full(X.shape[1], -np.inf)
     low[X.shape[1] - positive :] = 0.0
     found = lsq_linear(X / size, y, (low, np.full(X.shape[1], np.inf)), method="bvls")
     return np.asarray(found.x / size)
-
-
-def _mean(offsets: Array, x: Array) -> Array:
-    return np.asarray(offsets.T @ x / offsets.sum(axis=0))
 
 
 def _delay(model: _Model) -> Estimate | None:

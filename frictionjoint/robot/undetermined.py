@@ -19,7 +19,8 @@ def undetermined(
         friction: parameters of each joint's law.
     """
     base = base_parameters(found)
-    rows = [*_sums(found, base), *_unseen(found, base), *_loose(found, base)]
+    unseen = _by_owner(found, base.unseen, "without effect", "without any effect on these torques")
+    rows = [*_sums(found, base), *unseen, *_loose(found, base)]
     for joint, estimates in friction.items():
         names = [
             n for n, x in estimates.items() if x.is_loose and (x.value != 0.0 or x.stderr is None)
@@ -52,10 +53,6 @@ def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
         )
         for owner, (names, partners) in owners.items()
     ]
-
-
-def _unseen(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
-    return _by_owner(found, base.unseen, "without effect", "without any effect on these torques")
 
 
 def _loose(found: Information, base: BaseParameters) -> list[dict[str, Any]]:

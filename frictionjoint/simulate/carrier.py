@@ -122,7 +122,8 @@ def install(
         numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
         assert numeric is not None
         n_effects = len(carried[name])
-        spec.nuserdata = max(spec.nuserdata, 0) + row_size(_law_row(parameters), n_effects)
+        law_row = int(law_row_size(parameters.pack(), 0))
+        spec.nuserdata = max(spec.nuserdata, 0) + row_size(law_row, n_effects)
         mechanical = [(e.effect, e.numbers) for e in carried[name] if e.effect.acts == "mechanism"]
         if mechanical:
             add_mechanism(spec, name, mechanical)
@@ -139,10 +140,6 @@ def install(
 def heating_first(effects: Sequence[SimulatedEffect]) -> list[SimulatedEffect]:
     """Sort heating first, because it computes the temperature for the others."""
     return sorted(effects, key=lambda e: e.effect is not HEATING)
-
-
-def _law_row(parameters: Friction) -> int:
-    return int(law_row_size(parameters.pack(), 0))
 
 
 def _encode(law: Array, effects: list[SimulatedEffect]) -> Array:

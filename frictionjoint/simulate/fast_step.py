@@ -7,7 +7,7 @@ starts, jumps in time, changed parameters, loops that close, resets of the memor
 transition curve, full stacks.
 
 A joint at rest is never perfectly still, because rounding errors move it back and forth. The law
-would treat each of these movements as a reversal and fill its memory. So a displacement that hardly
+would treat each of these movements as a reversal and fill its memory. So a displacement that barely
 changes the torque is treated as elastic: the law keeps its state and its position until the
 displacement has grown.
 """
