@@ -1,10 +1,13 @@
 """``frictionjoint compare``: a law's known figures come out, as table, JSON and picture."""
 
+import json
+
 import numpy as np
 import pytest
 from command_line import run
 
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.export.motion import stated_motion
 from frictionjoint.files import toml_text
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
@@ -35,6 +38,23 @@ def test_figures_are_those_of_the_law():
     assert np.allclose(torque, -torque[::-1], equal_nan=True)
     # a presliding loop takes work
     assert a.figures["work of one presliding loop, J"] > 0.0
+
+
+def test_without_a_fall_the_stribeck_velocity_sets_no_speed():
+    flat = FrictionParameters.symmetric(Fs=1.0, Fc=1.0, Vs=1e-4, sigma2=0.2, n=2, knots=KNOTS)
+    (a,) = compared({"a": JointFriction(flat)})
+    assert a.figures["torque at 1 rad/s, N m"] == pytest.approx(1.2)
+    motion = stated_motion(flat, 0.0, None)
+    assert motion.speeds.max() == pytest.approx(1.0, rel=1e-3)
+
+
+def test_reports_in_folders_of_one_name_have_a_column_each(tmp_path, demo_report):
+    for day in ("monday", "friday"):
+        (tmp_path / day / "out").mkdir(parents=True)
+        content = json.dumps(demo_report.to_dict())
+        (tmp_path / day / "out" / "report.json").write_text(content)
+    done = run("compare", "monday/out", "friday/out/report.json", "--json", cwd=tmp_path)
+    assert list(json.loads(done.stdout)) == ["monday/out", "friday/out/report.json"]
 
 
 def test_effects_are_named():

@@ -63,15 +63,15 @@ def compare(
     with progress() as say:
         read: dict[str, JointFriction] = {}
         reports: dict[str, dict[str, float | str]] = {}
+        names = [_name(path) for path in parameters]
         for i, path in enumerate(parameters):
             say(f"simulating {path.name}, {i + 1} of {len(parameters)}")
-            name = path.stem if path.stem not in read else str(path)
+            name = names[i] if names.count(names[i]) == 1 else str(path)
             if path in parameters[:i]:
                 raise ParameterError(f"{path} is given twice: give it once")
             if path.suffix.lower() == ".json" or path.is_dir():
                 for own, content in read_joints(path)[1].items():
-                    which = f" {own}" if content.get("schema") == ROBOT else ""
-                    key = f"{path.parent.name or path.stem}{which}"
+                    key = f"{name} {own}" if content.get("schema") == ROBOT else name
                     reports[key] = report_figures(content)
                     if "model" in content:
                         read[key] = joint_friction(content["model"])
@@ -89,3 +89,10 @@ def compare(
     show_table(["", *(x.name for x in found)], ((name, *cells) for name, cells in rows(found)))
     if out is not None:
         typer.echo(f"Wrote {out}")
+
+
+def _name(path: Path) -> str:
+    """Of a report its folder's name, of parameters their file's."""
+    if path.is_dir():
+        return path.resolve().name
+    return path.resolve().parent.name if path.suffix.lower() == ".json" else path.stem

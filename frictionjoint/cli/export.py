@@ -34,7 +34,8 @@ def export(
             "--speeds",
             metavar="LOW:HIGH",
             help="Speeds to fit and to state the error for, rad/s or m/s. Default without a log: "
-            "0.1 to 20 Stribeck velocities; for isaac, the speeds above the Stribeck range.",
+            "0.1 to 20 Stribeck velocities, or up to 1 rad/s if friction does not fall with "
+            "speed; for isaac, the speeds above the Stribeck range.",
         ),
     ] = None,
     column: Columns = None,

@@ -8,7 +8,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.export.sliding import levels
+from frictionjoint.export.sliding import levels, stribeck_velocity
 from frictionjoint.measured.derivatives import HIGHEST, differentiate, uniform
 from frictionjoint.measured.lowpass import LowPass, steep
 from frictionjoint.measured.readers import read_log
@@ -17,6 +17,8 @@ from frictionjoint.parameters import Friction
 # of the stated motion: s between samples, s of one sine, sizes of sliding, s of the travel at one
 # speed, and of its beginning and end
 _STEP, _PERIOD, _SIZES, _TRAVEL, _EDGE = 2e-3, 2.0, 5, 5.0, 0.5
+# highest peak speed if no Stribeck velocity sets it, rad/s (m/s), and highest over lowest
+_FASTEST, _RANGE = 1.0, 200.0
 # of the presliding stretch, over the displacement in which friction reaches its limit
 _BEFORE_SLIDING = 0.5
 
@@ -65,15 +67,15 @@ def stated_motion(
 
     Args:
         start: rad, where the motion begins and ends.
-        speeds: lowest and highest peak speed, rad/s; None: 0.1 to 20 Stribeck velocities.
+        speeds: lowest and highest peak speed, rad/s; None: 0.1 to 20 Stribeck velocities, or 0.005
+            to 1 rad/s if friction does not fall with speed.
         unit: of the position, for the motion's name.
     """
-    Fs, _, Vs, *_ = levels(parameters)["pos"]
-    # over the Stribeck velocity
-    lowest, highest = speeds or (0.1 * Vs, 20.0 * Vs)
+    top = 20.0 * (stribeck_velocity(parameters) or 0.0) or _FASTEST
+    lowest, highest = speeds or (top / _RANGE, top)
     peaks = list(np.geomspace(lowest, highest, _SIZES))
     if parameters.stiffness > 0.0:
-        reach = _BEFORE_SLIDING * 2.0 * Fs / parameters.stiffness
+        reach = _BEFORE_SLIDING * 2.0 * levels(parameters)["pos"][0] / parameters.stiffness
         peaks.insert(0, np.pi * reach / _PERIOD)
     w = 2.0 * np.pi / _PERIOD
     turns = w * _STEP * np.arange(round(_PERIOD / _STEP))

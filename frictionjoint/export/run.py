@@ -24,6 +24,7 @@ from frictionjoint.export.sliding import (
     levels,
     plain_friction,
     speeds_above_stribeck,
+    stribeck_velocity,
 )
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
@@ -110,8 +111,8 @@ def export(
 
     Args:
         path: of the MJCF. out: of the file to write, for its name and its path to the model.
-        speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: 0.1 to 20
-            times the Stribeck velocity, for Isaac those above the Stribeck range.
+        speeds: lowest and highest, rad/s (m/s), over which a plain joint is fitted; None: see
+            `stated_motion`, for Isaac those above the Stribeck range.
         log: its motion replaces the standard one, with `columns` ours -> the log's.
         lugre: for the native target: friction by MuJoCo's own LuGre. yielding: by springs that
             yield, MuJoCo 4.0.
@@ -137,7 +138,9 @@ def export(
 
     def over(name: str) -> Array:
         # Isaac has the fall from rest to sliding in a number of its own
-        return speeds_above_stribeck(friction[name].parameters) if fast else motions[name].speeds
+        law = friction[name].parameters
+        falls = stribeck_velocity(law) is not None
+        return speeds_above_stribeck(law) if fast and falls else motions[name].speeds
 
     plain = {name: plain_friction(friction[name], over(name), terms) for name in motions}
     progress("losses along a motion")

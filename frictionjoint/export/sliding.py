@@ -59,6 +59,12 @@ def levels(parameters: Friction) -> dict[str, tuple[float, ...]]:
     }
 
 
+def stribeck_velocity(parameters: Friction) -> float | None:
+    """The larger Stribeck velocity of the directions, rad/s; None if friction falls in neither."""
+    falls = (Vs for Fs, Fc, Vs, *_ in levels(parameters).values() if Fs > Fc)
+    return max(falls, default=None)
+
+
 # part of the fall from Fs to Fc that is left where sliding has none of it any more, and the range
 # of speeds above
 _FALLEN, _ABOVE, _SPEEDS = 0.01, 10.0, 50

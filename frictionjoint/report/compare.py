@@ -13,6 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import title
+from frictionjoint.export.sliding import stribeck_velocity
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
@@ -116,9 +117,8 @@ def _pull(parameters: Friction) -> tuple[Array, float]:
 
 
 def _fastest(parameters: Friction) -> float:
-    """Speed up to which sliding is drawn: ten Stribeck velocities, if the law has one."""
-    own = [x for key, x in parameters.to_dict().items() if key.startswith("Vs")]
-    return 10.0 * max(own) if own else 1.0
+    """Speed up to which sliding is drawn: ten Stribeck velocities, if friction falls with speed."""
+    return 10.0 * (stribeck_velocity(parameters) or 0.1)
 
 
 def _reversals(parameters: Friction, amplitude: float) -> tuple[Array, Array]:
