@@ -34,6 +34,9 @@ REPORTS = {
     "suspected": empty(
         candidates__0__rows=[{"effect": "dwell-time", "gain": 0.28, "p_value": 0.001}]
     ),
+    "suspected, but rejected": empty(
+        candidates__0__rows=[{"effect": "dwell-time", "gain": 0.9, "p_value": 0.001}]
+    ),
     "below the threshold": good(
         added__0__evidence=WEAK | {"held_out_gain": 0.207, "p_value": 0.94}
     ),

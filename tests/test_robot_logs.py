@@ -50,12 +50,30 @@ def test_all_joints_with_a_drive_are_explained(tmp_path, model):
     assert [entry.role for entry in logs.entries] == ["fit", "held-out"]
 
 
-def test_a_joint_that_stands_still_stops_no_other(tmp_path, model):
+def test_a_joint_that_stands_still_stops_no_other_unless_it_is_named(tmp_path, model):
     log = write(tmp_path / "a.csv", still="j2")
     logs = RobotLogs.read([log], [], 0.25, model)
     assert logs.joints == ["j1"]
     assert set(logs.failed) == {"j2"}
     assert "j2" not in logs.moving
+    with pytest.raises(LogError, match="j2"):
+        RobotLogs.read([log], [], 0.25, model, ["j1", "j2"])
+    with pytest.raises(LogError, match="no joint 'j9', it has j1, j2, j3"):
+        RobotLogs.read([log], [], 0.25, model, ["j1", "j9"])
+
+
+def test_a_log_of_other_joints_is_named(tmp_path, model):
+    log = write(tmp_path / "a.csv")
+    other = write(tmp_path / "b.csv", columns={"k1": COLUMNS["j1"]})
+    with pytest.raises(LogError, match=r"^b\.csv: .* wanted is one of j1, j2, the columns name k1"):
+        RobotLogs.read([log], [other], None, model)
+
+
+def test_columns_that_name_no_joint_are_those_of_the_only_joint_of_a_model(tmp_path):
+    log = tmp_path / "a.csv"
+    log.write_text("time_s,position_rad,torque_nm\n")
+    one = mujoco.MjModel.from_xml_string(random_arm(1, 1).believed)
+    assert joints_to_explain([log], one) == ["j1"]
 
 
 def test_joints_recorded_one_after_the_other_have_each_the_logs_in_which_they_move(tmp_path, model):

@@ -38,9 +38,11 @@ def test_spread_over_units_beside_the_error_of_one():
     ("arguments", "said"),
     [
         ((), "no log"),
-        (("a.csv", "--robot", "x=b.csv"), "every log as NAME=LOG"),
+        (("a.csv", "--robot", "x=b.csv", "--robot", "y=c.csv"), "every log as NAME=LOG"),
         (("--robot", "b.csv"), "write NAME=LOG"),
+        (("--robot", "x=a.csv", "--robot", "x=b.csv"), "one robot is compared with none"),
         (("a.csv", "--joint", "elbow", "--scheduler", "tcp://x:1"), "omit it for one joint"),
+        (("a.csv", "--model", "other.xml"), "write PATTERN=MJCF"),
     ],
 )
 def test_what_does_not_go_together_is_one_line(tmp_path, arguments, said):

@@ -122,7 +122,7 @@ def close_loop_command(
     names = joint or []
     if len(set(names)) < len(names):
         raise LogError("--joint: a joint is named twice, name it once")
-    if not (units or names) and len(only := joints_of(model)) == 1:
+    if not names and len(only := joints_of(model)) == 1:
         names = only
     alone = names[0] if len(names) == 1 and not units else None
     mjcf = models_of(model)

@@ -128,10 +128,10 @@ def models_of(model: list[str]) -> str | dict[str, str]:
     """An MJCF, or one per pattern of log names.
 
     Raises:
-        ModelError: some models have a pattern and others do not.
+        ModelError: several models, and one of them has no pattern.
     """
-    if not any("=" in text for text in model):
-        return model[-1]  # as any option given twice
+    if len(model) == 1 and "=" not in model[0]:
+        return model[0]
     found = {}
     for text in model:
         pattern, equals, path = text.partition("=")

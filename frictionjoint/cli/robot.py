@@ -14,7 +14,8 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
     """Logs by the robot's name, from texts NAME=LOG.
 
     Raises:
-        LogError: a text does not have that form, or a name cannot name a folder.
+        LogError: a text does not have that form, a name cannot name a folder, or there is only one
+            robot.
     """
     found: dict[str, list[Path]] = {}
     for text in robots:
@@ -24,6 +25,8 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
         if "/" in name or name.startswith("."):
             raise LogError(f"--robot {name}: give a name for a folder, without / and leading .")
         found.setdefault(name, []).append(Path(path))
+    if len(found) == 1:
+        raise LogError(f"--robot {name}: one robot is compared with none: give its logs as LOG")
     return found
 
 

@@ -21,7 +21,7 @@ from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.identify.held import Pose
 from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.readers import joints_with_drive, log_files, read_log
+from frictionjoint.measured.readers import log_files, read_log
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
 from frictionjoint.mujoco_warnings import unheard
@@ -179,13 +179,10 @@ def _joints(paths: Sequence[str | Path | JointLog], model: Any) -> list[str]:
     """Joints to evaluate if the user names none."""
     from frictionjoint.identify.driven_joints import joints_to_explain
 
-    names = [model.joint(j).name for j in range(model.njnt)]
-    held = [[x.joint] if isinstance(x, JointLog) else joints_with_drive(x) for x in paths]
-    if len(names) == 1 and not all(held):
-        return names
-    if all(isinstance(x, JointLog) for x in paths):
-        return [name for name in names if all(name in some for some in held)]
-    return joints_to_explain([x for x in paths if not isinstance(x, JointLog)], model)
+    if files := [x for x in paths if not isinstance(x, JointLog)]:
+        return joints_to_explain(files, model)
+    names = (model.joint(j).name for j in range(model.njnt))
+    return [name for name in names if all(x.joint == name for x in paths)]
 
 
 def _controller(given: GivenController | None, joint: str, model: Any) -> Controller | None:

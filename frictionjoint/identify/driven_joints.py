@@ -16,18 +16,23 @@ def joints_to_explain(
 ) -> list[str]:
     """Hinges and slides of a model with a drive in all logs, base first.
 
+    Columns that name no joint are those of the only joint of a model.
+
     Raises:
-        LogError: there is none.
+        LogError: a log has none of those in the model and in the logs before it.
     """
-    found = [set(joints_with_drive(path, columns)) for path in logs]
-    in_all = set.intersection(*found) if found else set()
-    kinds = [(model.joint(j).name, int(model.jnt_type[j])) for j in range(model.njnt)]
-    names = [name for name, kind in kinds if kind in ONE_DOF and name in in_all]
-    if not names:
-        held = few(sorted(set.union(*found)) if found else [], 12) or "none"
-        has = few([joint_label(model, j) for j in range(model.njnt)], 12) or "none"
-        raise LogError(
-            f"{Path(logs[0]).name}: no joint of the model has a position and a drive in every log: "
-            f"the logs name {held}, the model {has}; name one with --joint"
-        )
+    has = [joint_label(model, j) for j in range(model.njnt) if int(model.jnt_type[j]) in ONE_DOF]
+    names = has
+    for path in logs:
+        driven = joints_with_drive(path, columns) or (has if len(has) == 1 else [])
+        common = [name for name in names if name in driven]
+        if not common:
+            source = "model" if names is has else "model and of the logs before it"
+            raise LogError(
+                f"{Path(path).name}: no joint of the {source} has a position and a drive here: "
+                f"wanted is one of {few(names, 12) or 'none'}, the columns name "
+                f"{few(driven, 12) or 'none'}; name one joint with --joint, or its columns "
+                "--column JOINT.position_rad=NAME"
+            )
+        names = common
     return names

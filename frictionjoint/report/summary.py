@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from frictionjoint.decisions import AT_THE_FLOOR, SIGNIFICANCE
+from frictionjoint.decisions import AT_THE_FLOOR, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.report.error_figures import (
     STAGES,
     ErrorRow,
@@ -202,9 +202,11 @@ def _missing(s: Summary) -> str:
             return "something that is no known effect." + rest
         if s.suspected:
             best = s.suspected[0]
+            small = best.gain < SMALLEST_GAIN
+            why = "which is below the threshold" if small else "but a later test rejected it"
             return (
                 f"nothing for certain; {best.title} would explain {best.gain:.0%} of the squared "
-                f"residual (p = {three(best.p_value)}), below the threshold.{times}"
+                f"residual (p = {three(best.p_value)}), {why}.{times}"
             )
         if noise and error is not None and error <= AT_THE_FLOOR * noise:
             return f"nothing that {s.covered} can show; the error is hardly more than the noise."

@@ -80,7 +80,7 @@ class RobotLogs:
                 of the model with a logged drive.
             read: reads one log of a joint. columns: see `read_log`.
         Raises:
-            LogError: that of the first joint, if no joint can be used; see `joints_to_explain`.
+            LogError: a named joint cannot be used, or no joint can; see `joints_to_explain`.
         """
         found = cls({}, {}, {}, alone=isinstance(joint, str), ends=fraction is not None)
         if isinstance(joint, str):
@@ -107,6 +107,8 @@ class RobotLogs:
                 if still or also:
                     found.at_rest[name] = tuple(still | also)
             except LogError as error:
+                if joint:  # named by the user, so the result must contain it
+                    raise
                 found.failed[name] = str(error)
         if not found.fit:
             raise LogError(next(iter(found.failed.values())))

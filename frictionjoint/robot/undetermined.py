@@ -7,6 +7,7 @@ import numpy as np
 
 from frictionjoint.identify.result import LOOSE, Estimate
 from frictionjoint.parameter_meanings import meaning
+from frictionjoint.report.numbers import status_of
 from frictionjoint.robot.information import BaseParameters, Information, base_parameters, errors
 
 
@@ -22,11 +23,11 @@ def undetermined(
     unseen = _by_owner(found, base.unseen, "without effect", "without any effect on these torques")
     rows = [*_sums(found, base), *unseen, *_loose(found, base)]
     for joint, estimates in friction.items():
-        names = [
-            n for n, x in estimates.items() if x.is_loose and (x.value != 0.0 or x.stderr is None)
-        ]
+        status = {n: status_of(n, estimates) for n in estimates}
+        names = [n for n, x in status.items() if x in ("assumed", "not determined")]
         if names:
-            words = dict.fromkeys(meaning(n.partition("_")[0]) for n in names)
+            assumed = {n: " (assumed)" if status[n] == "assumed" else "" for n in names}
+            words = dict.fromkeys(meaning(n.partition("_")[0]) + assumed[n] for n in names)
             text = f"friction of {joint}: {', '.join(words)}"
             rows.append(_row("friction", names, text, joint=joint))
     return tuple(rows)
