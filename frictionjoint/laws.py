@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.errors import ParameterError
-from frictionjoint.parameters import Friction, FrictionParameters, require_table
+from frictionjoint.parameter_checks import require_table
+from frictionjoint.parameters import Friction, FrictionParameters
 from frictionjoint.rivals import RIVALS
 
 _ALL: tuple[type[Friction], ...] = (FrictionParameters, *RIVALS)

@@ -13,15 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.errors import ParameterError
+from frictionjoint.parameter_checks import LEVELS, SIDES, number_pairs, require
 from frictionjoint.parameters import (
-    LEVELS,
     MOST_KNOTS,
-    SIDES,
     Friction,
     StribeckFriction,
     damaged_block,
-    number_pairs,
-    require,
 )
 
 

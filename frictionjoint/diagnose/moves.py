@@ -16,8 +16,8 @@ from frictionjoint.identify.rounding import EQUAL, first_least, in_order
 from frictionjoint.identify.terms import Term, in_place
 from frictionjoint.threads import side_by_side
 
-# the most promising effects, and alternatives to one or without a name, that are refitted; pairs
-LEADERS, ALTERNATIVES, _PAIRS = 4, 2, 1
+# the most promising effects, and alternatives to one or without a name, that are refitted
+LEADERS, ALTERNATIVES = 4, 2
 # named candidates of which pairs are looked at, and kinds that are compared on half of the data
 _IN_PAIRS, _CONTENDERS = 8, 10
 
@@ -159,7 +159,7 @@ class Moves:
         sorts = (
             (self._added(self.named), LEADERS),
             (self._added(self.unnamed), ALTERNATIVES),
-            (self._pairs(), _PAIRS),
+            (self._pairs(), 1),
             (self._exchanges(), ALTERNATIVES),
         )
         return [m for found, most in sorts for m in in_order(found, _total)[:most]]

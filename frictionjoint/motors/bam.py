@@ -25,7 +25,7 @@ from frictionjoint.effects.load_dependent import COULOMB, FORMS, STRIBECK
 from frictionjoint.errors import ParameterError
 from frictionjoint.export.sliding import levels
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
-from frictionjoint.parameters import check_number
+from frictionjoint.parameter_checks import check_number
 from frictionjoint.rivals import StaticParameters
 
 _PLAIN = ("friction_base", "friction_viscous")

@@ -21,10 +21,11 @@ from frictionjoint.control.kernel import COUNT
 from frictionjoint.effects.signals import TIME
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import load_shows
+from frictionjoint.identify.rounding import EQUAL
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.motion import errors
-from frictionjoint.refine.objective import Objective
+from frictionjoint.refine.objective import MOST_STEPS, Objective
 from frictionjoint.refine.secant import Secant, differences
 from frictionjoint.replay.closed_loop import Course
 
@@ -32,13 +33,11 @@ Mask = NDArray[np.bool_]
 
 # kinds of one sort; more are no kinds but single logs
 _MOST_KINDS = 6
-# part of the positions that a band holds and to within what, and least standard error of one, rad
-# (m)
-BAND, _CLOSE, _LEAST_WIDTH = 0.95, 1e-6, 1e-9
+# part of the positions that a band contains, and least standard error of one,
+# rad (m)
+BAND, _LEAST_WIDTH = 0.95, 1e-9
 # by how much wider logs may err: then all is as the prior has it
 _WIDEST = 1e4
-# steps towards where the kept logs would have the numbers
-_STEPS = 10
 
 
 def kinds(courses: Sequence[Course]) -> list[Mask]:
@@ -173,7 +172,7 @@ def missing_width(
         squares = np.sum(moves @ cov(wider) * moves, axis=1)
         width = np.sqrt(np.maximum(squares, _LEAST_WIDTH**2))
         low, high = (ndtr((x - off) / width) for x in (-half, half))
-        return BAND - _CLOSE - float(np.mean(held(low, high)))
+        return BAND - EQUAL - float(np.mean(held(low, high)))
 
     if missed(1.0) <= 0.0:
         return 1.0
@@ -240,6 +239,6 @@ def _without(objective: Objective, z: Array, J: Array, mask: Mask) -> Array:
     # differences would cost more than all the rest, and move the numbers little further
     secant = Secant(residual, objective.bounds, (z, residual(z), known), again=False)
     found = least_squares(
-        residual, z, jac=secant, bounds=objective.bounds, max_nfev=_STEPS, ftol=1e-3, xtol=1e-3
+        residual, z, jac=secant, bounds=objective.bounds, max_nfev=MOST_STEPS, ftol=1e-3, xtol=1e-3
     )
     return np.asarray(found.x)

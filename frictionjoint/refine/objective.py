@@ -11,6 +11,9 @@ from frictionjoint.refine.motion import errors
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import Course
 
+# steps of a search by simulation
+MOST_STEPS = 10
+
 
 class Objective:
     """Soft errors of all samples, then those of the prior, at numbers in units of the prior.

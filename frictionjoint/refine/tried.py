@@ -23,13 +23,13 @@ from frictionjoint.refine.guard import (
     without_each,
 )
 from frictionjoint.refine.motion import WINDOW_S
-from frictionjoint.refine.objective import Objective
+from frictionjoint.refine.objective import MOST_STEPS, Objective
 from frictionjoint.refine.secant import Secant
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import Course
 
-# steps of each round of a stage, rounds, and the fraction of the squares that one must take away
-_MOST, _ROUNDS, _ENOUGH = 10, 4, 2e-2
+# rounds of a stage, and the fraction of the squares that each must take away
+_ROUNDS, _ENOUGH = 4, 2e-2
 
 
 class Tried:
@@ -140,7 +140,7 @@ def _search(objective: Objective, x: Array) -> tuple[Array, Array]:
     for _ in range(_ROUNDS):
         secant = Secant(objective, bounds, known)
         found = least_squares(
-            objective, z, jac=secant, bounds=bounds, max_nfev=_MOST, ftol=1e-3, xtol=1e-3
+            objective, z, jac=secant, bounds=bounds, max_nfev=MOST_STEPS, ftol=1e-3, xtol=1e-3
         )
         z, before, cost = found.x, cost, found.cost
         if before - cost < _ENOUGH * cost:

@@ -12,12 +12,11 @@ from typing import Annotated, TypeAlias
 from frictionjoint.arrays import Array
 from frictionjoint.compiled import in_line
 
-DIRECTIONS = 6
 Tangent: TypeAlias = tuple[float, float, float, float, float, float]
+ZERO: Tangent = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+DIRECTIONS = len(ZERO)
 # tangents of an array, shape (its length, DIRECTIONS)
 Tangents: TypeAlias = Annotated[Array, "rows of", DIRECTIONS]
-
-ZERO: Tangent = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @in_line

@@ -1,0 +1,184 @@
+"""Layout of a text table: where its header and samples are, and how its cells are separated."""
+
+import csv
+import re
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+from frictionjoint.errors import LogError
+from frictionjoint.measured.units import is_unit
+
+_LONGEST_HEADER = 1 << 20
+_SEPARATORS = ",;\t "
+# name of a column that has none
+_UNNAMED = "(column {})"
+# What is taken as a number or as an empty cell.
+_NUMBER = re.compile(
+    r"\s*([+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?(inf(inity)?|nan))?\s*", re.I | re.A
+)
+# A date with a time, and its difference to universal time.
+MOMENT = re.compile(
+    r"\s*\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d{1,9})?)?(?P<zone>Z|[+-]\d\d(:?\d\d)?)?\s*"
+)
+
+
+class Layout(NamedTuple):
+    """Layout of a file.
+
+    Attributes:
+        names: of its columns, None for one without a name. separator: between cells.
+        point: decimal separator. before: lines before the first that may be a sample.
+        zoned: date columns, and whether they name their time zone. title: line number of the
+            header. skipped: lines above it that are no comments.
+        units: cell below each name, if there is a line of units.
+    """
+
+    names: list[str | None]
+    separator: str
+    point: str
+    before: int
+    zoned: dict[str, bool]
+    title: int = 1
+    skipped: int = 0
+    units: tuple[str, ...] = ()
+
+    @property
+    def all_names(self) -> list[str]:
+        """A name for every column."""
+        return [x or _UNNAMED.format(i) for i, x in enumerate(self.names, start=1)]
+
+
+def layout_of(path: Path) -> Layout:
+    """Layout of a file.
+
+    Raises:
+        LogError: the file is empty or no text.
+    """
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            return _from_lines(path.name, iter(lambda: file.readline(_LONGEST_HEADER), ""))
+    except UnicodeDecodeError:
+        raise LogError(f"{path.name}: not text in UTF-8, save it as UTF-8") from None
+    except OSError as error:
+        raise LogError(f"{path.name}: cannot be read: {error.strerror}") from None
+
+
+def _from_lines(name: str, lines: Iterator[str]) -> Layout:
+    """Layout of a file from its first lines."""
+    # header and first samples are within 60 lines
+    some = [text.rstrip("\r\n") for text in islice(lines, 60)]
+    if not some:
+        raise LogError(f"{name}: empty, it needs a header row and samples")
+    remarks = next((i for i, line in enumerate(some) if not line.startswith("#")), len(some))
+    title, before = remarks, remarks + 1
+    text = some[title] if title < len(some) else ""
+    if remarks and (remarks == len(some) or _numbers_only(text)):
+        title, before = remarks - 1, remarks
+        text = some[title].lstrip("# ")
+    elif title < len(some):
+        title = _header_line(some, title)
+        before, text = title + 1, some[title]
+    if not text.strip() or "\0" in text or "\r" in text:
+        raise LogError(f"{name}, row {title + 1}: no header, give column names there")
+    separator = _separator(text)
+    names = [cell.strip() for cell in next(csv.reader([text], delimiter=separator))]
+    units: tuple[str, ...] = ()
+    below = some[before] if before < len(some) else ""
+    cells = _cells(below, separator)
+    if any(cells) and len(cells) >= len(names) and _is_units_line(cells):
+        units, before = tuple(cells), before + 1
+    sample = next(filter(None, some[before:]), "")
+    names = _as_wide_as(names, _cells(sample, separator))
+    after = "\n".join(some[before:])
+    point = "," if separator != "," and re.search(r"\d,\d", after) else "."
+    return Layout(
+        names=[cell or None for cell in names],
+        separator=separator,
+        point=point,
+        before=before,
+        zoned=_zoned(names, separator, after),
+        title=title + 1,
+        skipped=title if title > remarks else 0,
+        units=units,
+    )
+
+
+def _separator(header: str) -> str:
+    return next((x for x in _SEPARATORS if x in header), ",")
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    try:
+        return [x.strip() for x in next(csv.reader([line], delimiter=separator), [])]
+    except csv.Error:  # said where the cells are read
+        return []
+
+
+def _is_sample(cells: list[str]) -> bool:
+    """Whether cells are numbers or dates, two or more of them."""
+    found = [x for x in cells if x]
+    return len(found) > 1 and all(
+        _NUMBER.fullmatch(x.replace(",", ".")) or MOMENT.fullmatch(x) for x in found
+    )
+
+
+def _is_units_line(cells: list[str]) -> bool:
+    return all(map(is_unit, cells)) and not _is_sample(cells)
+
+
+def _header_line(lines: list[str], first: int) -> int:
+    """Index of the first line that names a column for each cell of the samples below it.
+
+    If there is no such line, the first line is the header, and the samples are reported as wrong.
+    """
+    wider = []
+    for i in range(first, len(lines)):
+        separator = _separator(lines[i])
+        names = _cells(lines[i], separator)
+        named = [x for x in names if x]
+        if len(named) < 2 or any(_NUMBER.fullmatch(x) for x in named):
+            continue
+        below = (_cells(x, separator) for x in lines[i + 1 :])
+        width = next((_last(cells) for cells in below if _is_sample(cells)), None)
+        if width == _last(names):
+            # recorders number their channels in one line and name them in the next
+            following = _cells(lines[i + 1], separator)
+            numbers = any(_NUMBER.fullmatch(x.replace(",", ".")) for x in following)
+            better = _last(following) == width and not numbers and not _is_units_line(following)
+            return i + 1 if better else i
+        if width is not None and width < _last(names):
+            wider.append(i)
+    return wider[0] if wider else first
+
+
+def _last(cells: list[str]) -> int:
+    """Number of cells up to the last that is not empty."""
+    return max((i for i, x in enumerate(cells, start=1) if x), default=0)
+
+
+def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
+    """Column names for every cell of a sample, if the surplus names or cells are empty."""
+    wide = len(sample)
+    if sample and wide < len(names) and not any(names[wide:]):
+        return names[:wide]
+    if wide > len(names) and not any(sample[len(names) :]):
+        return names + [""] * (wide - len(names))
+    return names
+
+
+def _zoned(names: list[str], separator: str, some: str) -> dict[str, bool]:
+    """Columns that begin with a date and a time, and whether each states a time zone.
+
+    Args:
+        some: the first lines that may be samples.
+    """
+    sample = _cells(next(filter(None, re.split(r"[\r\n]", some)), ""), separator)
+    cells = zip(names, map(MOMENT.fullmatch, sample), strict=False)
+    return {name: bool(cell["zone"]) for name, cell in cells if cell}
+
+
+def _numbers_only(line: str) -> bool:
+    """Whether a line contains only numbers."""
+    return all(_NUMBER.fullmatch(x) for x in re.split(r"[,;\s]+", line))
