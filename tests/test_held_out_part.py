@@ -39,7 +39,7 @@ def warming() -> JointLog:
 def test_what_warmed_up_stays_warm_in_the_part_held_out(effect):
     first, last = split_in_time(warming(), 0.3)
     fitted_on = prepare([first], BODY)
-    kept_back = prepare_kept_back([last], BODY, fitted_on.band)
+    kept_back = prepare_kept_back([last], BODY, fitted_on)
     shape = (TAU,) if effect is BY_TIME else (TAU, 10.0)
     fitted = fit(fitted_on, (EffectTerm(effect, shape),))
     left = predict(kept_back, fitted).error
@@ -49,6 +49,6 @@ def test_what_warmed_up_stays_warm_in_the_part_held_out(effect):
 
 def test_a_part_of_next_to_no_samples_tests_nothing():
     first, last = split_in_time(warming(), 0.004)
-    band = prepare([first], BODY).band
+    fitted_on = prepare([first], BODY)
     with pytest.raises(LogError, match=r"samples are left of it .*: hold out a longer part or log"):
-        prepare_kept_back([last], BODY, band)
+        prepare_kept_back([last], BODY, fitted_on)

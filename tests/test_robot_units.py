@@ -1,13 +1,15 @@
 """Several robots of one kind: which logs are whose, and how much the units differ."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from frictionjoint.cli.robot import robots_of
 from frictionjoint.errors import LogError
 from frictionjoint.identify.result import Estimate
-from frictionjoint.report.units_report import Spread
+from frictionjoint.parameter_meanings import SIDES
+from frictionjoint.report.units_report import Spread, UnitsReport
 from tests.command_line import run
 
 ROW = Spread(
@@ -34,6 +36,16 @@ def test_spread_over_units_beside_the_error_of_one():
     assert ROW.to_dict()["units"]["b"] == {"value": 2.0, "stderr": 0.4, "unit": "N m"}
 
 
+def test_parameters_are_shown_in_words_and_once_for_both_directions():
+    law = {f"{name}_{side}": Estimate(1.0, 0.1, "N m") for name in ("Fc", "Fs") for side in SIDES}
+    law["Fs_neg"] = Estimate(2.0, 0.1, "N m")
+    unit = SimpleNamespace(joints={"elbow": SimpleNamespace(final=law)}, shared=())
+    report = UnitsReport({"a": unit, "b": unit}, {})
+    labels = ["Coulomb friction", "breakaway friction, forward", "breakaway friction, backward"]
+    assert [label for label, _ in report.rows] == [f"{x}, N m" for x in labels]
+    assert len(report.spreads) == 4
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -42,11 +54,14 @@ def test_spread_over_units_beside_the_error_of_one():
         (("--robot", "b.csv"), "write NAME=LOG"),
         (("--robot", "x=a.csv", "--robot", "x=b.csv"), "one robot is compared with none"),
         (("a.csv", "--joint", "elbow", "--scheduler", "tcp://x:1"), "omit it for one joint"),
+        (("logs", "--held-out", "logs"), "every log is held out"),
         (("a.csv", "--model", "other.xml"), "write PATTERN=MJCF"),
     ],
 )
 def test_what_does_not_go_together_is_one_line(tmp_path, arguments, said):
     (tmp_path / "arm.xml").write_text("<mujoco/>")
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs" / "a.csv").touch()
     done = run("close-loop", *arguments, "--model", "arm.xml", "--out", "out", cwd=tmp_path)
     assert done.returncode == 2
     assert said in done.stderr

@@ -222,6 +222,9 @@ CASES = {
     "mixed drives": Wrong(("log0 (first part) has a torque", "a voltage"),
                           (table(), renamed(torque_nm="voltage_v") | {
                               "position_rad": table(1)["position_rad"]}), python={}),
+    "another drive held out": wrong("held has a voltage and log0 a torque",
+                                    held_out=renamed(torque_nm="voltage_v") | {
+                                        "position_rad": table(1)["position_rad"]}),
     "nearly all held out": wrong("held-out fraction is 0.99", "at most 0.8", held_out=0.99),
     "all held out": wrong("held-out fraction is 1", held_out=1.0),
     "less than nothing held out": wrong("held-out fraction is -0.5", held_out=-0.5),

@@ -40,8 +40,8 @@ def show_units(report: "UnitsReport") -> None:
     for name, text in report.failed.items():
         out.print(f"{name}: {text}", soft_wrap=True, markup=False)
     rows = []
-    for row in report.spreads:
+    for label, row in report.rows:
         error = "-" if row.error is None else f"{row.error:.2g}"
-        name = row.name if row.unit == "1" else f"{row.name}, {row.unit}"
-        rows.append((row.owner, name, f"{row.mean:.4g}", f"{row.deviation:.2g}", error))
-    show_table(("of", "parameter", "mean", "deviation", "standard error"), rows)
+        rows.append((row.owner, label, f"{row.mean:.4g}", f"{row.deviation:.2g}", error))
+    heads = "joint or cause", "parameter", "mean", "deviation over robots", "standard error of one"
+    show_table(heads, rows)

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from frictionjoint.cli.logs import ReportJoint
+from frictionjoint.cli.output import Force, require_writable
 
 
 def sample(
@@ -17,6 +18,7 @@ def sample(
     out: Annotated[Path, typer.Option("--out", metavar="JSON", help="File to write.")],
     joint: ReportJoint = None,
     seed: Annotated[int, typer.Option(min=0, help="Equal seeds give equal samples.")] = 0,
+    force: Force = False,
 ) -> None:
     """Draw parameter sets of a report, for domain randomisation.
 
@@ -35,6 +37,7 @@ def sample(
     from frictionjoint.report.joints import read_joint
     from frictionjoint.report.write import write_files
 
+    require_writable(out, [report], force)
     file, _, own = read_joint(report, joint)
     if "posterior" not in own:
         raise ParameterError(

@@ -65,7 +65,7 @@ def prepare_logs(
     prepared, kept_back = prepare(list(logs), mine, controller=controller), None
     check(prepared)
     if held_out:
-        kept_back = prepare_kept_back(held_out, theirs, prepared.band, controller)
+        kept_back = prepare_kept_back(held_out, theirs, prepared, controller)
     said += other_drive_note(prepared, kept_back)
     loops = Loops.of(((logs, mine), (held_out, theirs)), controller) if controller else None
     return JointLogs(logs, held_out, mine, theirs, prepared, kept_back, controller, loops, said)

@@ -11,7 +11,7 @@ from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import Band, Prepared, Segment
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.validate import require_motion
 
@@ -22,7 +22,7 @@ _FEWEST = 20
 def prepare_kept_back(
     logs: Sequence[JointLog],
     body: RigidBody | Sequence[RigidBody],
-    band: Band,
+    fitted: Prepared,
     controller: Controller | None = None,
 ) -> Prepared:
     """Prepare held-out logs.
@@ -32,15 +32,18 @@ def prepare_kept_back(
     simulated from the first used sample on.
 
     Args:
-        body, band, controller: see `prepare`; the band is that of the fitted logs.
+        fitted: the fitted logs, whose band is used. Others: see `prepare`.
     Raises:
-        LogError: the joint stands still, its drive is off throughout, or too few samples remain for
-            a comparison.
+        LogError: the joint stands still, its drive is off throughout or of another kind than that
+            of the fitted logs, or too few samples remain for a comparison.
     """
     for log in logs:
         _require_drive_and_motion(log)
     warm = [log.with_before() if measures_drive(log) else log for log in logs]
-    prepared = prepare(warm, body, band, controller)
+    prepared = prepare(warm, body, fitted.band, controller)
+    if prepared.drive != fitted.drive:
+        what = f"{logs[0].name} has a {prepared.drive} and {fitted.segments[0].name}"
+        raise LogError(f"{what} a {fitted.drive}: hold out a log with the drive of those fitted")
     since = [own.time[0] - log.time[0] for own, log in zip(logs, warm, strict=True)]
     pairs = zip(prepared.segments, since, strict=True)
     kept = replace(prepared, segments=tuple(_from(s, t) for s, t in pairs))
@@ -49,7 +52,7 @@ def prepare_kept_back(
         names = ", ".join(log.name for log in logs)
         raise LogError(
             f"{names}: held out, but {left} samples are left of it in the balance's band of "
-            f"{band.balance:.3g} Hz: hold out a longer part or log"
+            f"{fitted.band.balance:.3g} Hz: hold out a longer part or log"
         )
     return kept
 

@@ -113,7 +113,7 @@ def render_units(report: UnitsReport, content: Mapping[str, Any]) -> str:
         {},
         report=report,
         sentences={name: unit_sentence(x) for name, x in content["units"].items()},
-        spreads=report.spreads,
+        rows=report.rows,
         made=content.get("made", {}),
     )
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import root_mean_square
 from frictionjoint.identify.result import Estimate
+from frictionjoint.parameter_meanings import MEANINGS, by_direction, meaning
 from frictionjoint.report.content import content_of
 from frictionjoint.report.robot_report import RobotReport
 
@@ -86,6 +87,20 @@ class UnitsReport:
                 for name, x in cause.parameters.items():
                     rows.setdefault((owner, name, x.unit), {})[unit] = x
         return tuple(Spread(*key, found) for key, found in rows.items() if len(found) > 1)
+
+    @property
+    def rows(self) -> tuple[tuple[str, Spread], ...]:
+        """Each spread with its parameter in words; one for both directions if they are equal."""
+        owners: dict[tuple[str, str], dict[str, Spread]] = {}
+        for x in self.spreads:
+            owners.setdefault((x.owner, x.unit), {})[x.name] = x
+        found = []
+        for (_, unit), own in owners.items():
+            for symbol, name in by_direction(own, lambda a, b: a.of_unit == b.of_unit):
+                known = symbol.partition("_")[0] in MEANINGS
+                words = meaning(symbol) if known else symbol
+                found.append((words if unit == "1" else f"{words}, {unit}", own[name]))
+        return tuple(found)
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
