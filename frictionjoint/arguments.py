@@ -76,17 +76,17 @@ def require_spec(spec: Any, function: str = "install") -> None:
     raise TypeError(f"{function} takes a mujoco.MjSpec, not {kind_of(spec)}: {fix}")
 
 
-def require_friction(friction: Any, function: str = "install") -> None:
+def require_friction(friction: Any) -> None:
     """Raise TypeError unless the argument is friction parameters by joint name."""
     if not isinstance(friction, Mapping):
         raise TypeError(
-            f"{function} takes parameters by joint, not {kind_of(friction)}: "
+            f"install takes parameters by joint, not {kind_of(friction)}: "
             'give {"joint name": parameters}'
         )
     for joint, parameters in friction.items():
         if not isinstance(joint, str):
-            raise TypeError(f"{function}: joint {joint!r} is no name: give its name in the model")
-        require_parameters(parameters, f"{function}, joint {joint!r}")
+            raise TypeError(f"install: joint {joint!r} is no name: give its name in the model")
+        require_parameters(parameters, f"install, joint {joint!r}")
 
 
 def require_path(path: Any, function: str) -> None:

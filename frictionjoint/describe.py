@@ -10,7 +10,7 @@ from frictionjoint.parameters import Friction
 _COMMENTED = ("Fc", "Fs", "Vs", "sigma2", "stiffness")
 
 
-def law_values(parameters: Friction, slide: bool = False) -> tuple[Value, ...]:
+def law_values(parameters: Friction, slide: bool) -> tuple[Value, ...]:
     """Parameters of a law; one row where both directions are equal.
 
     Args:
@@ -25,7 +25,7 @@ def law_values(parameters: Friction, slide: bool = False) -> tuple[Value, ...]:
     )
 
 
-def effect_texts(joint: JointFriction, slide: bool = False) -> tuple[str, ...]:
+def effect_texts(joint: JointFriction, slide: bool) -> tuple[str, ...]:
     """Each effect with its numbers in units."""
     found = []
     for one in joint.effects:
@@ -42,7 +42,7 @@ def effect_texts(joint: JointFriction, slide: bool = False) -> tuple[str, ...]:
     return tuple(found)
 
 
-def effect_value(effect: str, number: str, value: float, slide: bool = False) -> tuple[str, str]:
+def effect_value(effect: str, number: str, value: float, slide: bool) -> tuple[str, str]:
     """What a number of an effect is, and its value with its unit, by their names in a report."""
     units = {
         name: unit
@@ -54,7 +54,7 @@ def effect_value(effect: str, number: str, value: float, slide: bool = False) ->
     return quantity_of(effect, number), Value(number, "", value, unit).text
 
 
-def one_line(name: str, joint: JointFriction, slide: bool = False) -> str:
+def one_line(name: str, joint: JointFriction, slide: bool) -> str:
     """The friction of a joint in one line, as in the comments of a model."""
     values = [
         f"{x.symbol} {x.text} ({x.meaning})"

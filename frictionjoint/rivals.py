@@ -14,12 +14,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.errors import ParameterError
 from frictionjoint.parameter_checks import LEVELS, SIDES, number_pairs, require
-from frictionjoint.parameters import (
-    MOST_KNOTS,
-    Friction,
-    StribeckFriction,
-    damaged_block,
-)
+from frictionjoint.parameters import MOST_KNOTS, Friction, StribeckFriction, damaged_block
 
 
 @dataclass(frozen=True, kw_only=True)

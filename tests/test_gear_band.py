@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from frictionjoint.effects.signals import GEAR, TIME
+from frictionjoint.identify.band import Band
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import Band
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import LowPass, gentle
 

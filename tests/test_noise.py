@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.verdict import noise_floor
+from frictionjoint.identify.band import Band
 from frictionjoint.identify.noise import count_of, density_above
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import Band
 from frictionjoint.measured.log import JointLog
 
 INERTIA, RATE, N = 0.05, 500.0, 20_000

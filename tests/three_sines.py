@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionjoint.identify.band import Band
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import Band, Prepared
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.measured.log import JointLog
 
 INERTIA = 0.05

@@ -228,7 +228,7 @@ def _in_band(prepared: Prepared, effect: Effect, shape: tuple[float, ...]) -> bo
     return all(x <= top for x, unit in zip(shape, units, strict=True) if unit == "Hz")
 
 
-def _varies(x: Array, least: float = 0.0) -> bool:
+def _varies(x: Array, least: float) -> bool:
     low, high = np.quantile(x, (0.01, 0.99))
     return bool(high - low > max(least, 1e-9 * (1.0 + np.abs(x).max())))
 

@@ -51,10 +51,7 @@ class OtherLaws:
     """
 
     def __init__(
-        self,
-        prepared: Prepared,
-        base: Fit,
-        progress: Callable[[str], None] = lambda text: None,
+        self, prepared: Prepared, base: Fit, progress: Callable[[str], None] = lambda text: None
     ) -> None:
         own = base.shape.variables
         integrated = (INTEGRATED[0].variables, CONSTRAINT[0].variables)

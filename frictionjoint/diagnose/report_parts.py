@@ -106,12 +106,7 @@ def added(
 
 def _evidence(step: Finding) -> Evidence:
     return Evidence(
-        step.gain,
-        step.row.p_value,
-        step.row.frequency,
-        step.runner_up,
-        step.margin,
-        step.ties,
+        step.gain, step.row.p_value, step.row.frequency, step.runner_up, step.margin, step.ties
     )
 
 
@@ -146,9 +141,7 @@ def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tup
 
 
 def simulated_positions(
-    fitted_on: Prepared,
-    kept_back: Prepared | None,
-    runs: Sequence[tuple[Replay, Replay | None]],
+    fitted_on: Prepared, kept_back: Prepared | None, runs: Sequence[tuple[Replay, Replay | None]]
 ) -> tuple[SimulatedPosition, ...]:
     """Measured and replayed position of each log.
 

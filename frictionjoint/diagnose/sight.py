@@ -58,11 +58,7 @@ class Sight:
 
 
 def sight(
-    prepared: Prepared,
-    fitted: Fit,
-    chance: float,
-    blocks: Blocks,
-    candidates: Sequence[Candidate],
+    prepared: Prepared, fitted: Fit, chance: float, blocks: Blocks, candidates: Sequence[Candidate]
 ) -> Sight:
     """The smallest effect that the logs could have shown.
 

@@ -51,7 +51,7 @@ class EvaluatedModel:
         joints: Sequence[str],
         moving: Sequence[str],
         drives: Mapping[str, str],
-        fixed: Mapping[str, Pose] | None = None,
+        fixed: Mapping[str, Pose] | None,
     ) -> None:
         self.model = compile_model(source)
         self.joints = list(joints)

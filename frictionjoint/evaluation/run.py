@@ -181,8 +181,9 @@ def _joints(paths: Sequence[str | Path | JointLog], model: Any) -> list[str]:
 
     if files := [x for x in paths if not isinstance(x, JointLog)]:
         return joints_to_explain(files, model)
+    recorded = {x.joint for x in paths if isinstance(x, JointLog)}
     names = (model.joint(j).name for j in range(model.njnt))
-    return [name for name in names if all(x.joint == name for x in paths)]
+    return [name for name in names if recorded == {name}]
 
 
 def _controller(given: GivenController | None, joint: str, model: Any) -> Controller | None:

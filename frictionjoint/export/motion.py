@@ -58,7 +58,7 @@ class Motion:
 
 
 def stated_motion(
-    parameters: Friction, start: float, speeds: tuple[float, float] | None, unit: str = "rad"
+    parameters: Friction, start: float, speeds: tuple[float, float] | None, unit: str
 ) -> Motion:
     """One sine within presliding, sines of sliding, and a travel back and forth at one speed.
 

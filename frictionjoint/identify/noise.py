@@ -13,12 +13,13 @@ so its error is computed along the actual motion.
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import welch
 from scipy.stats import chi2
 
 from frictionjoint.arrays import Array
 from frictionjoint.measured.derivatives import SAME_POSITION
-from frictionjoint.measured.lowpass import gentle
+from frictionjoint.measured.lowpass import gentle, steep
 
 # part of the spectrum that is taken to hold noise alone, over the sampling frequency
 _ABOVE = (0.25, 0.45)
@@ -26,6 +27,9 @@ _WINDOW = 4096
 # counts up to which two positions are near, and how far from whole numbers of them they may lie:
 # any differences lie a quarter off on average
 _NEAR, _WHOLE = 50.0, 0.05
+# of a load's spectrum: periods of the balance's corner that it resolves; where its noise is read,
+# over the corner of the motion; lines that are averaged
+_PERIODS, _NOISE_FROM, _AROUND = 20.0, 0.6, 9
 
 
 @dataclass(frozen=True)
@@ -125,3 +129,25 @@ def noise_of(
     f, made = welch(error, 1.0 / dt, nperseg=n, detrend="constant")
     level = np.maximum(made, density_above(position, dt))
     return Noise(density_above(drive, dt), f, level, inertia, count)
+
+
+def corner_above_noise(torque: Array, dt: float, bandwidth_hz: float, corner_hz: float) -> float:
+    """Corner, Hz, of the band in which the torque of a rigid body exceeds its noise.
+
+    Args:
+        torque: shape (n,), every dt s. bandwidth_hz: corner of the balance. corner_hz: of the
+            motion that it was computed from.
+    """
+    window = min(len(torque), int(_PERIODS / (bandwidth_hz * dt)))
+    f, power = welch(torque, 1.0 / dt, nperseg=window)
+    inside = (f > 0.0) & (f <= corner_hz)
+    f, power = f[inside], power[inside]
+    ratio = f / corner_hz
+    # white noise of a position is one of the acceleration that grows as the fourth power of
+    # the frequency; near the corner of the motion there is almost nothing else
+    growing, top = steep(ratio) ** 2 * ratio**4, ratio > _NOISE_FROM
+    noise = growing * (np.median(power[top] / growing[top]) if top.any() else 0.0)
+    # up to where half of the power is noise for the first time, whatever lines lie beyond; the
+    # spectrum of a repeated motion has gaps
+    around = uniform_filter1d(power - 2.0 * noise, _AROUND, mode="nearest")
+    return float(np.append(f[around <= 0.0], corner_hz)[0])

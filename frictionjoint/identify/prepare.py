@@ -27,16 +27,18 @@ from frictionjoint.effects.signals import (
     V,
 )
 from frictionjoint.errors import LogError
+from frictionjoint.identify.band import Band, clear_of
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.motion import Motion, motion_of
 from frictionjoint.identify.noise import count_of, noise_of
 from frictionjoint.identify.other_drive import turned_by_another
 from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import A_BALANCE, Band, Drive, Prepared, Segment, clear_of
+from frictionjoint.identify.segment import A_BALANCE, Drive, Prepared, Segment
 from frictionjoint.identify.zero_order_hold import holds, of_drive
 from frictionjoint.measured.derivatives import LEAST_HZ, motion_band, on_a_grid, uniform
 from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.lowpass import REACH
 
 # the largest corner of the balance, Hz. Friction and the effects of the catalogue act below; above
 # only time is spent.
@@ -138,23 +140,10 @@ def _segment(
     """
     grid, sample, smooth, rigid = motion.raw_time, motion.sample, motion.smooth, motion.rigid
     t, dt, n = motion.time, motion.dt, len(motion.time)
-    signals = np.zeros((n, N_SIGNALS))
-    signals[:, TIME] = t - t[0]
-    signals[:, Q], signals[:, V], signals[:, A] = motion.q, motion.v, motion.a
-    signals[:, LOAD] = rigid.load
-    signals[:, GEAR] = motion.gear
-    signals[:, GX], signals[:, GY] = rigid.gx, rigid.gy
-    signals[:, SAG], signals[:, SWAY] = rigid.sag, rigid.sway
-    signals[:, DT] = dt
-    signals[0, DT] = 0.0
-    # not a number where no thermometer was read
-    signals[:, TEMP] = np.nan
-    if log.temperature is not None:
-        signals[:, TEMP] = uniform(log.time, log.temperature, t)
+    signals = _signals(log, motion)
     mask = np.ones(n, dtype=bool)
-    # two periods of the balance's corner at each end depend on the motion beyond the log, see
-    # `gentle`
-    edge = min(n // 10, max(2, int(2.0 / (band.balance * dt))))
+    # the ends depend on the motion beyond the log
+    edge = min(n // 10, max(2, int(REACH / (band.balance * dt))))
     mask[:edge] = mask[n - edge :] = False
     driven = np.ones(n, dtype=bool)
     kind, values = _drive(log)
@@ -216,6 +205,23 @@ def _segment(
         turned_by_another=others,
     )
     return found.without_limits() if band.sensor_saturates else found
+
+
+def _signals(log: JointLog, motion: Motion) -> Array:
+    """Motion, load and temperature of a log, shape (n, N_SIGNALS)."""
+    rigid = motion.rigid
+    signals = np.zeros((len(motion.time), N_SIGNALS))
+    signals[:, TIME] = motion.time - motion.time[0]
+    signals[:, Q], signals[:, V], signals[:, A] = motion.q, motion.v, motion.a
+    signals[:, LOAD], signals[:, GEAR] = rigid.load, motion.gear
+    signals[:, GX], signals[:, GY] = rigid.gx, rigid.gy
+    signals[:, SAG], signals[:, SWAY] = rigid.sag, rigid.sway
+    signals[1:, DT] = motion.dt
+    # not a number where no thermometer was read
+    signals[:, TEMP] = np.nan
+    if log.temperature is not None:
+        signals[:, TEMP] = uniform(log.time, log.temperature, motion.time)
+    return signals
 
 
 def _saturated(time: Array, values: Array, grid: Array) -> Array | None:

@@ -13,15 +13,14 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
-from scipy.signal import welch
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import DT, GEAR, LOAD, TIME, Q, V
+from frictionjoint.identify.band import Band, clear_of
 from frictionjoint.identify.bundle import Bundle
 from frictionjoint.identify.cache import Cache
 from frictionjoint.identify.commanded import Commanded
-from frictionjoint.identify.noise import Noise
+from frictionjoint.identify.noise import Noise, corner_above_noise
 from frictionjoint.identify.reversals import Path, path_of
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.tracks import Start
@@ -31,25 +30,8 @@ from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, gentle,
 # samples in a period of the balance's corner, in a fit and in a coarse search: with less than four
 # what the filter passes is folded back
 A_BALANCE, _A_COARSE = 4.0, 32.0
-# of a load's spectrum: periods of the balance's corner that it resolves; where its noise is read,
-# over the corner of the motion; lines that are averaged
-_PERIODS, _NOISE_FROM, _AROUND = 20.0, 0.6, 9
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
-
-
-@dataclass(frozen=True)
-class Band:
-    """Corners of the two filters, Hz: of the torque balance, and of the motion.
-
-    zero_order_hold: whether a measured drive is constant from one sample to the next.
-    sensor_saturates: whether samples at the end of a drive's range are not used.
-    """
-
-    balance: float
-    motion: float
-    zero_order_hold: bool = False
-    sensor_saturates: bool = False
 
 
 @dataclass(frozen=True)
@@ -144,19 +126,7 @@ class Segment:
         band it would miss what the torque does within a quick stop.
         """
         torque = self.signals[:, GEAR]
-        window = min(len(torque), int(_PERIODS / (self.bandwidth_hz * self.dt)))
-        f, power = welch(torque, 1.0 / self.dt, nperseg=window)
-        inside = (f > 0.0) & (f <= self.corner_hz)
-        f, power = f[inside], power[inside]
-        ratio = f / self.corner_hz
-        # white noise of a position is one of the acceleration that grows as the fourth power of
-        # the frequency; near the corner of the motion there is almost nothing else
-        growing, top = steep(ratio) ** 2 * ratio**4, ratio > _NOISE_FROM
-        noise = growing * (np.median(power[top] / growing[top]) if top.any() else 0.0)
-        # up to where half of the power is noise for the first time, whatever lines lie beyond; the
-        # spectrum of a repeated motion has gaps
-        around = uniform_filter1d(power - 2.0 * noise, _AROUND, mode="nearest")
-        corner = float(np.append(f[around <= 0.0], self.corner_hz)[0])
+        corner = corner_above_noise(torque, self.dt, self.bandwidth_hz, self.corner_hz)
         return _lowpass(len(torque), self.dt, corner, 1)(torque)
 
     def lowpass(self, x: Array) -> Array:
@@ -199,15 +169,6 @@ class Segment:
             return self
         clear = clear_of(self.saturated != 0.0, self.bandwidth_hz, self.dt)
         return replace(self, mask=self.mask & clear)
-
-
-def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDArray[np.bool_]:
-    """Samples at least one period of the filter's corner away from unknown torque, shape (n,).
-
-    The filter spreads unknown torque over that time.
-    """
-    reach = max(1, int(1.0 / (bandwidth_hz * dt)))
-    return np.asarray(~maximum_filter1d(unknown, 2 * reach + 1, mode="constant", cval=False))
 
 
 @dataclass(frozen=True)

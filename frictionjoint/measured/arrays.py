@@ -118,7 +118,7 @@ def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     return {name: column(path, name, content[whole(name)], whole(name)) for name in wanted}
 
 
-def mat_scalars(path: Path, names: list[str], optional: Iterable[str] = ()) -> dict[str, float]:
+def mat_scalars(path: Path, names: list[str], optional: Iterable[str]) -> dict[str, float]:
     """Single numbers of a .mat file; optional ones only if they exist."""
     present = mat_names(path)
     wanted = [*names, *(name for name in optional if name in present)]

@@ -28,7 +28,7 @@ _MAY_LACK = {"velocity_rad_s": "speed", "temperature_c": "temp", "supply_v": "in
 _DUTY_IN_LOAD = (None, "xl330")
 
 
-def read_bam_json(path: Path, joint: str | None = None) -> JointLog:
+def read_bam_json(path: Path, joint: str | None) -> JointLog:
     """Read one JSON log; if the duty is recorded, the drive is the motor voltage.
 
     Rows in messages are entries, counted from 1.

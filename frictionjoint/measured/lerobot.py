@@ -38,8 +38,8 @@ def is_lerobot(path: Path) -> bool:
 def read_lerobot(
     path: Path,
     joint: str | None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | None,
+    units: Mapping[str, str] | None,
 ) -> JointLog:
     """Read one joint of one episode.
 

@@ -150,7 +150,7 @@ def silence_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
 
 
 def unwrapped(
-    source: str, columns: Mapping[str, Array], wrap: float | None = None
+    source: str, columns: Mapping[str, Array], wrap: float | None
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """The columns with unwrapped positions.
 

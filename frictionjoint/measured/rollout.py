@@ -45,7 +45,7 @@ class _Rollout:
     gains: dict[str, Array]
 
 
-def is_rollout(path: Path, columns: Mapping[str, str] | None = None) -> bool:
+def is_rollout(path: Path, columns: Mapping[str, str] | None) -> bool:
     """Whether a file is such a rollout: a .pt, or an .npz with such names and no requested
     columns."""
     if path.suffix.lower() == ".pt":
@@ -64,8 +64,8 @@ def is_rollout(path: Path, columns: Mapping[str, str] | None = None) -> bool:
 def read_rollout(
     path: Path,
     joint: str | None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | None,
+    units: Mapping[str, str] | None,
 ) -> JointLog:
     """Read one joint.
 
@@ -90,7 +90,7 @@ def read_rollout(
     return replace(log, metadata={name: float(x[own]) for name, x in found.gains.items()})
 
 
-def joints_of_rollout(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
+def joints_of_rollout(path: Path, columns: Mapping[str, str] | None) -> list[str]:
     """Names of the joints.
 
     Raises:

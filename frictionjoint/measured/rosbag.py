@@ -45,8 +45,8 @@ def is_bag(path: Path) -> bool:
 def read_rosbag(
     path: Path,
     joint: str | None,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | None,
+    units: Mapping[str, str] | None,
 ) -> JointLog:
     """Read one joint; rows in messages are its samples, counted from 1.
 
@@ -130,7 +130,7 @@ def _read_fields(
     return log_of(path, joint or "joint", data, units=units)
 
 
-def joints_of_bag(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
+def joints_of_bag(path: Path, columns: Mapping[str, str] | None) -> list[str]:
     """Names of the joints with effort or commands in a bag.
 
     Raises:

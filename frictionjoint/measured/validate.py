@@ -49,7 +49,7 @@ _FEWEST_READINGS = 20
 _MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "voltage_v", "current_a")
 
 
-def check_rows(source: str, columns: Mapping[str, Array], row: RowOf | int = 1) -> None:
+def check_rows(source: str, columns: Mapping[str, Array], row: RowOf | int) -> None:
     """Raise LogError unless the columns are numbers along increasing time.
 
     Args:
@@ -64,7 +64,7 @@ def check_rows(source: str, columns: Mapping[str, Array], row: RowOf | int = 1) 
     check_time(source, columns["time_s"], row_of)
 
 
-def check_columns(source: str, columns: Mapping[str, Array], row: RowOf | int = 1) -> None:
+def check_columns(source: str, columns: Mapping[str, Array], row: RowOf | int) -> None:
     """Raise LogError if the columns of a log cannot be right.
 
     Args:

@@ -89,18 +89,18 @@ def get_motor(name: str) -> Motor:
     return known[name]
 
 
-def friction_speed(motor: Motor, points: int = 9) -> tuple[Array, dict[str, Array]]:
+def friction_speed(motor: Motor) -> tuple[Array, dict[str, Array]]:
     """Steady friction of a motor at speeds from a tenth to twenty of its Stribeck velocities.
 
     Returns:
-        speeds, rad/s or m/s, shape (points,), and magnitudes of the friction by direction, "pos"
+        speeds, rad/s or m/s, shape (n,), and magnitudes of the friction by direction, "pos"
         and "neg", in the motor's unit.
     """
     from frictionjoint.export.sliding import levels, sliding_torque
 
     Vs = max(level[2] for level in levels(motor.friction.parameters).values())
     # a Stribeck velocity beyond 10 rad/s (m/s) is none
-    speeds = np.geomspace(0.1, 20.0, points) * (Vs if 0.0 < Vs < 10.0 else 1.0)
+    speeds = np.geomspace(0.1, 20.0, 9) * (Vs if 0.0 < Vs < 10.0 else 1.0)
     return speeds, {side: sliding_torque(motor.friction, speeds, side) for side in ("pos", "neg")}
 
 

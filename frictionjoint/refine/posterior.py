@@ -120,11 +120,7 @@ class Posterior:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
-        return {
-            "parameters": self.content,
-            "factor": self.factor.tolist(),
-            "of_gain": self.of_gain,
-        }
+        return {"parameters": self.content, "factor": self.factor.tolist(), "of_gain": self.of_gain}
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> "Posterior":

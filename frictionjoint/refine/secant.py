@@ -31,7 +31,7 @@ class Secant:
         self,
         residual: Callable[[Array], Array],
         bounds: tuple[Array, Array],
-        last: tuple[Array, Array, Array] | None = None,
+        last: tuple[Array, Array, Array] | None,
         again: bool = True,
     ) -> None:
         self.residual, self.bounds, self.last, self.again = residual, bounds, last, again

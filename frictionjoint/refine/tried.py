@@ -107,7 +107,7 @@ def tried(
 def by_windows(
     vectors: Sequence[Vector],
     courses: Sequence[Course],
-    progress: Callable[[str], None] = lambda text: None,
+    progress: Callable[[str], None],
 ) -> tuple[Vector, Array]:
     """The model with the smallest error on whole logs, of models refined on windows, and its
     numbers.

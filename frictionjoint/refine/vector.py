@@ -48,12 +48,7 @@ class Vector:
     """
 
     def __init__(
-        self,
-        prepared: Prepared,
-        fitted: Fit,
-        cov: Array,
-        armature: float,
-        begin: Fit | None = None,
+        self, prepared: Prepared, fitted: Fit, cov: Array, armature: float, begin: Fit | None = None
     ) -> None:
         self.armature = armature
         self.fitted = fitted

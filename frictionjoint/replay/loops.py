@@ -45,9 +45,7 @@ class Loops:
 
     @classmethod
     def of(
-        cls,
-        pairs: Sequence[tuple[Sequence[JointLog], Sequence[RigidBody]]],
-        controller: Controller,
+        cls, pairs: Sequence[tuple[Sequence[JointLog], Sequence[RigidBody]]], controller: Controller
     ) -> "Loops | None":
         """From logs and their bodies; None if a log has no target."""
         if any(log.target is None for logs, _ in pairs for log in logs):

@@ -86,7 +86,7 @@ class _Row:
 
 
 def choose(
-    screened: Screened, rng: np.random.Generator, standing: Sequence[EffectTerm] = ()
+    screened: Screened, rng: np.random.Generator, standing: Sequence[EffectTerm]
 ) -> list[Choice]:
     """Select candidates one after the other, including the joints' own, until none is justified.
 

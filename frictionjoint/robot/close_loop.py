@@ -287,12 +287,7 @@ def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:
 
 def _evidence(choice: Choice) -> Evidence:
     return Evidence(
-        choice.gain,
-        choice.p_value,
-        choice.frequency,
-        choice.runner_up,
-        choice.margin,
-        choice.ties,
+        choice.gain, choice.p_value, choice.frequency, choice.runner_up, choice.margin, choice.ties
     )
 
 

@@ -34,10 +34,7 @@ _FLAT = 1e-9
 
 
 def descended(
-    joints: Sequence[FittedJoint],
-    blocks: Clock,
-    found: Found,
-    own: Callable[[str], bool],
+    joints: Sequence[FittedJoint], blocks: Clock, found: Found, own: Callable[[str], bool]
 ) -> Found:
     """The causes with the numbers that minimise the residual of these joints.
 
@@ -74,10 +71,7 @@ def descended(
 
 
 def _least(
-    left: Callable[[Array], Array],
-    start: Array,
-    bounds: Array,
-    slopes: Callable[[Array], Array],
+    left: Callable[[Array], Array], start: Array, bounds: Array, slopes: Callable[[Array], Array]
 ) -> OptimizeResult:
     """End of the descent from a start."""
     return least_squares(

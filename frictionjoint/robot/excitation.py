@@ -45,7 +45,7 @@ class _Limits:
 
 
 def next_trajectory(
-    joints: Sequence[FittedJoint], moving: Sequence[str], known: Information, seed: int = 0
+    joints: Sequence[FittedJoint], moving: Sequence[str], known: Information, seed: int
 ) -> Excitation | None:
     """The best of many trajectories; None if none is free of contact within the limits."""
     rng = np.random.default_rng(seed)

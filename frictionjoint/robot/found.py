@@ -39,9 +39,7 @@ class Found:
         kept = [i for i in range(len(self.causes)) if i not in out]
         causes, numbers = self.causes, self.numbers
         return replace(
-            self,
-            causes=tuple(causes[i] for i in kept),
-            numbers=tuple(numbers[i] for i in kept),
+            self, causes=tuple(causes[i] for i in kept), numbers=tuple(numbers[i] for i in kept)
         )
 
     def with_cause(self, cause: Cause, x: Array) -> "Found":
@@ -58,9 +56,7 @@ class Found:
                 x[k] += sign * step
                 ends.append(
                     composed(
-                        self.causes,
-                        (*self.numbers[:i], x, *self.numbers[i + 1 :]),
-                        self.original,
+                        self.causes, (*self.numbers[:i], x, *self.numbers[i + 1 :]), self.original
                     )
                 )
             found.append((ends[0], ends[1], 2.0 * float(step)))

@@ -66,12 +66,7 @@ def pseudo(phi: Array) -> Array:
     m, x, y, z, xx, xy, xz, yy, yz, zz = phi.tolist()
     half = 0.5 * (xx + yy + zz)
     return np.array(
-        (
-            (half - xx, -xy, -xz, x),
-            (-xy, half - yy, -yz, y),
-            (-xz, -yz, half - zz, z),
-            (x, y, z, m),
-        )
+        ((half - xx, -xy, -xz, x), (-xy, half - yy, -yz, y), (-xz, -yz, half - zz, z), (x, y, z, m))
     )
 
 

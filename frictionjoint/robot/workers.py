@@ -22,7 +22,7 @@ _ENDS = {signal.SIGINT, signal.SIGTERM}
 
 
 @contextmanager
-def workers(count: int, scheduler: str | None = None) -> "Iterator[Each]":  # type: ignore[type-arg]
+def workers(count: int, scheduler: str | None) -> "Iterator[Each]":  # type: ignore[type-arg]
     """A `map` over processes (a single one runs in this process) or over a cluster's workers.
 
     An exception or an interruption ends all processes; on a cluster it cancels the tasks.

@@ -34,7 +34,7 @@ def system() -> str:
     return {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
 
 
-def compile_library(source: Path, folder: Path, stem: str, target: str | None = None) -> Path:
+def compile_library(source: Path, folder: Path, stem: str, target: str | None) -> Path:
     """Compile a C file into a shared library.
 
     Args:

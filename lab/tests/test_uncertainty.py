@@ -4,11 +4,12 @@ import numpy as np
 from scipy.signal import lfilter
 
 from frictionjoint.effects.signals import N_SIGNALS, V
+from frictionjoint.identify.band import Band
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.noise import Noise
-from frictionjoint.identify.segment import Band, Prepared, Segment
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.uncertainty import covariance
 

@@ -10,7 +10,7 @@ from frictionjoint.law.tangents.direction import DIRECTIONS
 
 
 def driven_with_tangents(
-    law: str, P: Array, P_t: Array, time: Array, position: Array, edges: Index | None = None
+    law: str, P: Array, P_t: Array, time: Array, position: Array, edges: Index | None
 ) -> tuple[Array, Array, Array, Array]:
     """Hysteresis torque and dz/dq along a motion, and their derivatives by the law's parameters.
 

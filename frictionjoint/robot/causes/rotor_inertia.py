@@ -50,7 +50,4 @@ class RotorInertia(Cause):
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """The whole armature, and the part that the model lacks."""
         unit = "kg" if self.slide else "kg m^2"
-        return {
-            "armature": (self.armature + float(x[0]), unit),
-            "added": (float(x[0]), unit),
-        }
+        return {"armature": (self.armature + float(x[0]), unit), "added": (float(x[0]), unit)}
