@@ -21,7 +21,8 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
 FULL_DUTY = 885.0
-_SIGNED, _REGISTER = 1 << 15, 1 << 16
+_SIGNED = 1 << 15
+_REGISTER = 2 * _SIGNED
 _ENTRY = {"time_s": "timestamp", "position_rad": "position", "target_rad": "goal_position"}
 _MAY_LACK = {"velocity_rad_s": "speed", "temperature_c": "temp", "supply_v": "input_volts"}
 # motors whose load register contains the duty; their first logs name no motor

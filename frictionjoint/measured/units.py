@@ -11,12 +11,12 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 
+from scipy.constants import g, inch, lbf
+
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 
 _TURN = 2.0 * math.pi
-# acceleration of free fall that defines the kilogram-force, m/s^2, and the inch in m
-_G, _INCH, _POUND = 9.80665, 0.0254, 0.45359237
 _COUNTS = "counts"
 # factor to SI, by the quantity and the spelling of the unit in lower case without blanks
 _TIME = {
@@ -30,7 +30,7 @@ _TIME = {
     "min": 60.0,
 }
 _ANGLE = {"rad": 1.0, "mrad": 1e-3, "deg": _TURN / 360.0, "rev": _TURN, "turn": _TURN}
-_LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": _INCH}
+_LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": inch}
 _TURNING = {
     "rad/s": 1.0,
     "mrad/s": 1e-3,
@@ -47,14 +47,14 @@ _TORQUE = {
     "mnm": 1e-3,
     "ncm": 1e-2,
     "knm": 1e3,
-    "kgfcm": _G * 1e-2,
-    "kgcm": _G * 1e-2,
-    "kgfm": _G,
-    "ozin": _POUND / 16.0 * _G * _INCH,
-    "lbin": _POUND * _G * _INCH,
-    "lbft": _POUND * _G * _INCH * 12.0,
+    "kgfcm": g * 1e-2,
+    "kgcm": g * 1e-2,
+    "kgfm": g,
+    "ozin": lbf / 16.0 * inch,
+    "lbin": lbf * inch,
+    "lbft": lbf * inch * 12.0,
 }
-_FORCE = {"n": 1.0, "mn": 1e-3, "kn": 1e3, "kgf": _G, "lbf": _POUND * _G}
+_FORCE = {"n": 1.0, "mn": 1e-3, "kn": 1e3, "kgf": g, "lbf": lbf}
 _VOLTAGE, _CURRENT = {"v": 1.0, "mv": 1e-3}, {"a": 1.0, "ma": 1e-3}
 _TEMPERATURE = {"c": 1.0, "degc": 1.0, "k": 1.0, "f": 5.0 / 9.0, "degf": 5.0 / 9.0}
 _ZERO = {"k": 273.15, "f": 32.0, "degf": 32.0}
