@@ -9,7 +9,6 @@ from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import measures_drive
 from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
-from frictionjoint.identify.band import Band
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared, Segment
