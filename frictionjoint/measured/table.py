@@ -167,21 +167,34 @@ def log_of(
     data, further = ({name: mixed[name] for name in part} for part in (data, further))
     own = {name: x for name, x in data.items() if "." not in name}
     check_leaps(path.name, shown(own))
+    said = runs + integrated + lone + notes + more + silence_notes(own)
+    notes = (*dropped, *(f"{path.stem}: {note}" for note in said))
+    return _from_columns(path.stem, joint, data, further, notes)
+
+
+def _from_columns(
+    name: str,
+    joint: str,
+    data: Mapping[str, Array],
+    signals: dict[str, Array],
+    notes: tuple[str, ...],
+) -> JointLog:
+    """A log from checked columns with our names."""
 
     def first(*choices: str) -> Array | None:
-        return next((own[name] for name in choices if name in own), None)
+        return next((data[key] for key in choices if key in data), None)
 
     def others(quantity: str) -> dict[str, Array]:
-        parts = ((name.rpartition("."), x) for name, x in data.items())
+        parts = ((key.rpartition("."), x) for key, x in data.items())
         return {other: x for (other, dot, unit), x in parts if dot and unit.startswith(quantity)}
 
-    slide = "position_m" in own
+    slide = "position_m" in data
     enabled = first("torque_enabled")
     return JointLog(
-        name=path.stem,
+        name=name,
         joint=joint,
-        time=own["time_s"],
-        position=own["position_m" if slide else "position_rad"],
+        time=data["time_s"],
+        position=data["position_m" if slide else "position_rad"],
         velocity=first("velocity_m_s" if slide else "velocity_rad_s"),
         torque=first("force_n" if slide else "torque_nm"),
         voltage=first("voltage_v"),
@@ -194,14 +207,8 @@ def log_of(
         slide=slide,
         other_positions=others("position"),
         other_velocities=others("velocity"),
-        signals=further,
-        notes=(
-            *dropped,
-            *(
-                f"{path.stem}: {note}"
-                for note in runs + integrated + lone + notes + more + silence_notes(own)
-            ),
-        ),
+        signals=signals,
+        notes=notes,
     )
 
 
