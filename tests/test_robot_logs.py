@@ -60,6 +60,10 @@ def test_a_joint_that_stands_still_stops_no_other_unless_it_is_named(tmp_path, m
         RobotLogs.read([log], [], 0.25, model, ["j1", "j2"])
     with pytest.raises(LogError, match="no joint 'j9', it has j1, j2, j3"):
         RobotLogs.read([log], [], 0.25, model, ["j1", "j9"])
+    with pytest.raises(LogError, match="named twice"):
+        RobotLogs.read([log], [], 0.25, model, ["j1", "j1"])
+    with pytest.raises(LogError, match="not held out"):
+        RobotLogs.read([], [log], None, model, ["j1"])
 
 
 def test_a_log_of_other_joints_is_named(tmp_path, model):

@@ -386,6 +386,8 @@ def test_other_public_functions_name_wrong_types_too() -> None:
         read_log("log.csv", columns=["time_s"])  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"torque is of type list: give a numpy array"):
         JointLog(name="log", joint="j", time=LOG.time, position=LOG.position, torque=[1.0])  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="logs is one log: give a list"):
+        fj.evaluate(PENDULUM, "log.csv")
     with pytest.raises(TypeError, match="fixed is of type list: give poses by name"):
         fj.close_loop([LOG], PENDULUM, "elbow", fixed=["shoulder"])  # type: ignore[arg-type]
 

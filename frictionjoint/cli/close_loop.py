@@ -120,8 +120,6 @@ def close_loop_command(
     if units and (paths.logs or paths.kept):
         raise LogError("--robot: give every log as NAME=LOG, and a fraction to --held-out")
     names = joint or []
-    if len(set(names)) < len(names):
-        raise LogError("--joint: a joint is named twice, name it once")
     if not names and len(only := joints_of(model)) == 1:
         names = only
     alone = names[0] if len(names) == 1 and not units else None

@@ -328,8 +328,6 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
         if not join
         else found(logs)
     )
-    if logs and not fitted:
-        raise LogError("no log to fit: every log is held out, give at least one more")
     held = {path.resolve() for path in kept}
     if same := [path for path in fitted if path.resolve() in held]:
         raise LogError(f"{same[0]} is both fitted and held out: give it once")

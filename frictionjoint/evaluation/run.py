@@ -21,7 +21,7 @@ from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.identify.held import Pose
 from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.readers import log_files, read_log
+from frictionjoint.measured.readers import log_files, read_log, require_logs
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
 from frictionjoint.mujoco_warnings import unheard
@@ -144,11 +144,10 @@ def evaluate(
         fixed: positions of joints that no log contains, rad or m.
         read: function that reads a path; None: `read_log`.
     Raises:
-        FrictionJointError: bad logs or model, in one line.
+        FrictionJointError: bad logs or model, in one line. TypeError: one log instead of a list.
     """
+    require_logs(logs, 0.0)
     paths = [x for log in logs for x in ([log] if isinstance(log, JointLog) else log_files(log))]
-    if not paths:
-        raise LogError("no log: give at least one")
     compiled = compile_model(model)
     names = list(joints) if joints else _joints(paths, compiled)
     if not names:

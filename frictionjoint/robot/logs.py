@@ -80,8 +80,11 @@ class RobotLogs:
                 of the model with a logged drive.
             read: reads one log of a joint. columns: see `read_log`.
         Raises:
-            LogError: a named joint cannot be used, or no joint can; see `joints_to_explain`.
+            LogError: no log to fit, a named joint cannot be used or is named twice, or no joint can
+                be used; see `joints_to_explain`.
         """
+        if not logs:
+            raise LogError("no log to fit: give at least one that is not held out")
         found = cls({}, {}, {}, alone=isinstance(joint, str), ends=fraction is not None)
         if isinstance(joint, str):
             own, held_out = (
@@ -97,6 +100,8 @@ class RobotLogs:
             raise LogError("the logs of a robot are files: give paths, or the name of one joint")
         if isinstance(model, Mapping):
             raise ModelError("several joints share one model: give its path, without patterns")
+        if joint and len(set(joint)) < len(joint):
+            raise LogError(f"joints {', '.join(joint)}: one is named twice, name it once")
         for name in joint or joints_to_explain(files, compile_model(model), columns):
             try:
                 parts = files[: len(logs)], files[len(logs) :]
