@@ -10,7 +10,7 @@ current: a torque up to an unknown gain. A target without a drive needs a contro
 import difflib
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from frictionjoint.errors import LogError
 
@@ -99,6 +99,22 @@ def one_joint(source: str, joints: Sequence[str], joint: str | None) -> str:
         return joints[0]
     what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
     raise LogError(f"{source}: {what} {_list(joints)}")
+
+
+def options(
+    source: str, columns: Mapping[str, str] | None, names: Sequence[str], kind: str
+) -> list[str | None]:
+    """What ``--column`` says of a kind of log without a table of columns, in the order of names.
+
+    Raises:
+        LogError: it names something else.
+    """
+    given = dict(columns or {})
+    found = [given.pop(name, None) for name in names]
+    if given:
+        known = f"{', '.join(names[:-1])} and {names[-1]}"
+        raise LogError(f"{source}: --column takes {known} for {kind}, not {', '.join(given)}")
+    return found
 
 
 def choose_signals(

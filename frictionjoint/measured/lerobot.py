@@ -20,7 +20,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import parquet
 from frictionjoint.measured.arrays import one_line
-from frictionjoint.measured.columns import one_joint
+from frictionjoint.measured.columns import one_joint, options
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 from frictionjoint.measured.units import check_units, unit_of
@@ -52,12 +52,8 @@ def read_lerobot(
         LogError: not a data set, no such episode or joint, no unit, or see `validate`.
     """
     folder, numbered = episode_of(path)
-    mapping, units = dict(columns or {}), dict(units or {})
-    unit, episode = mapping.pop("unit", None), mapping.pop("episode", None)
-    if mapping:
-        raise LogError(
-            f"{path.name}: --column takes unit and episode for a data set, not {', '.join(mapping)}"
-        )
+    unit, episode = options(path.name, columns, ("unit", "episode"), "a data set")
+    units = dict(units or {})
     if unit is not None:
         units.setdefault("position", unit)
     if unit_of(f"{joint}.position_rad", units) is None:

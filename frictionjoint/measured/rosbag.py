@@ -21,7 +21,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt, part_of
-from frictionjoint.measured.columns import KNOWN, one_joint
+from frictionjoint.measured.columns import KNOWN, one_joint, options
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
@@ -62,13 +62,9 @@ def read_rosbag(
     mapping = dict(columns or {})
     if any(name in (*KNOWN, "time_s") for name in mapping if mapping[name] != "position"):
         return _read_fields(path, joint, mapping, units)
-    slide = mapping.pop("position_m", None) == "position"
-    topics = tuple(mapping.pop(name, None) for name in ("topic", "command", "joints"))
-    if mapping:
-        raise LogError(
-            f"{path.name}: --column takes topic, command, joints and position_m for a bag, not "
-            f"{', '.join(mapping)}"
-        )
+    known = ("topic", "command", "joints", "position_m")
+    *topics, position = options(path.name, mapping, known, "a bag")
+    slide = position == "position"
     samples = _by_joint(path, *topics)
     joint = one_joint(path.name, sorted(samples), joint)
     own = samples.pop(joint)
