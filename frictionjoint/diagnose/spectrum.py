@@ -9,6 +9,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.decisions import APART
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.friction_level import REACHES
 from frictionjoint.effects.signals import LOAD, TIME, A, H, Q, V
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
@@ -25,8 +26,6 @@ _POSITION_BINS = 4096
 _OF_MOTION = 0.5
 # strongest lines of a spectrum that are tried
 _PEAKS = 2
-# length over which a change of the friction level is reached, over the travel: where a fit starts
-_LEVEL_REACH = 1e-3
 
 
 def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
@@ -153,7 +152,7 @@ def periodic_terms(
             lines |= set(_peaks(np.abs(whole - part) ** 2, 1))
         for line in sorted(lines):
             N = np.pi * (line + first) / span
-            reach = (_LEVEL_REACH * span,) if effect.memory else ()
+            reach = (REACHES[-1] * span,) if effect.memory else ()
             N = _sharpened(float(N), q, weight, e, span)
             found.append(EffectTerm(effect, (N, *reach)))
     return found, max(1.0, (last - first) / 2.0)

@@ -16,7 +16,8 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Shape
 from frictionjoint.effects.signals import DT, Q
 
-_REACHES = (1e-4, 1e-3)
+# lengths over which a change of the level is reached, over the travel, where a fit starts
+REACHES = (1e-4, 1e-3)
 
 
 @compiled
@@ -41,4 +42,4 @@ def reached(target: float, reach: float, sig: Vector, X: Vector, x: int) -> floa
 def reaches(signals: Array) -> list[Shape]:
     """Initial lengths, relative to the travel of a log."""
     span = float(np.ptp(signals[:, Q]))
-    return [(part * span,) for part in _REACHES if span > 0.0]
+    return [(part * span,) for part in REACHES if span > 0.0]
