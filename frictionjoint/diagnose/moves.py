@@ -13,13 +13,16 @@ from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.identify.blocks import Blocks, halves
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import EQUAL, first_least, in_order
-from frictionjoint.identify.terms import Term, in_place
+from frictionjoint.identify.terms import Term, in_place, is_wave
 from frictionjoint.threads import side_by_side
 
 # the most promising effects, and alternatives to one or without a name, that are refitted
 LEADERS, ALTERNATIVES = 4, 2
 # named candidates of which pairs are looked at, and kinds that are compared on half of the data
 _IN_PAIRS, _CONTENDERS = 8, 10
+
+
+Kind = tuple[tuple[str, tuple[float, ...]], ...]
 
 
 class Move(NamedTuple):
@@ -38,6 +41,12 @@ class Move(NamedTuple):
     def unnamed(self) -> bool:
         """Whether an unnamed dependence is added."""
         return any(c.unnamed for c in self.added)
+
+    @property
+    def kind(self) -> Kind:
+        """What it shares with changes to the same effects from other starting shapes; waves of
+        other lengths are other effects."""
+        return tuple((t.name, t.free_shape if is_wave(t) else ()) for t in self.terms)
 
 
 class Looked(NamedTuple):

@@ -11,13 +11,13 @@ from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import FEWEST_WAVES
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import is_wave
 
 
 def short_waves(prepared: Prepared, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Candidates that are waves with less than one and a half periods in the usual travel."""
     fewest = 2.0 * np.pi * FEWEST_WAVES / prepared.usual_travel
-    return [c for c in candidates if _is_wave(c.term) and c.term.shape[0] < fewest]
+    return [c for c in candidates if is_wave(c.term) and c.term.shape[0] < fewest]
 
 
 def nearly_curves(
@@ -32,7 +32,3 @@ def nearly_curves(
     left = [float(seen.held_out([*seen.terms, at])[0].sum()) for at in seen.candidates]
     most = (1.0 - APART) ** 2 * min(left[len(short) :], default=np.inf)
     return [c for c, its in zip(short, left, strict=False) if its > most]
-
-
-def _is_wave(term: Term) -> bool:
-    return isinstance(term, EffectTerm) and term.effect.proposed_by == "spectrum"

@@ -7,7 +7,7 @@ from frictionjoint.decisions import APART, DISCREPANCY, DRIVE_DISCREPANCY, SMALL
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.library import library
-from frictionjoint.diagnose.moves import Look
+from frictionjoint.diagnose.moves import Kind, Look
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.blocks import Blocks, make_blocks
@@ -24,10 +24,15 @@ MOST_CHANGES = 16
 
 @dataclass(frozen=True)
 class _Model:
-    """A model of some logs, with results that are used more than once."""
+    """A model of some logs, with results that are used more than once.
+
+    Attributes:
+        refused: changes that were made and taken back, because nothing that they added was needed.
+    """
 
     prepared: Prepared
     fit: Fit
+    refused: set[Kind] = field(default_factory=set)
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -80,6 +85,11 @@ class State:
     def candidates(self) -> list[Candidate]:
         """Effects that the present model may lack."""
         return self._model.candidates
+
+    @property
+    def refused(self) -> set[Kind]:
+        """Changes of the present model that were taken back."""
+        return self._model.refused
 
     def under(self, prepared: Prepared) -> Fit:
         """The model refitted to its logs with other weights, including its time offsets."""

@@ -20,7 +20,7 @@ from frictionjoint.decisions import (
     TIE,
 )
 from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, rivals_of
+from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, promises, rivals_of
 from frictionjoint.diagnose.drive import Driven, look_at_drive, part_left
 from frictionjoint.diagnose.drive_instead import exchange_for_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
@@ -209,7 +209,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     """The best of these candidates, if it is justified."""
     if not candidates:
         return []
-    prepared, current, blocks = state.prepared, state.fit, state.blocks
+    prepared, current, blocks, refused = state.prepared, state.fit, state.blocks, state.refused
     seen, screened = look(current, blocks, candidates, rng)
     state.look = seen
     now = scored(current, blocks)
@@ -218,9 +218,11 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
         own, found = _compared(prepared, current, move)
         return Tried(move, own, scored(found, blocks))
 
-    moves = Moves(current, seen, screened, candidates).best()
+    moves = [m for m in Moves(current, seen, screened, candidates).best() if m.kind not in refused]
     with side_by_side() as each:
-        tried = list(each(attempt, [m for m in moves if beyond_chance(m, seen)]))
+        tried = list(
+            each(attempt, [m for m in moves if beyond_chance(m, seen) and promises(m, seen)])
+        )
     choice = chosen(now, tried)
     if not choice or choice.taken.move.unnamed:
         # before the search ends or accepts an unnamed term: could a biased law mask an effect?
@@ -241,6 +243,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
             state.forget_dropped()
             return names
         # nothing of it was needed once it was in: the next best
+        refused.add(choice.taken.move.kind)
         tried = [t for t in tried if t is not choice.taken]
         choice = chosen(now, tried)
     return []

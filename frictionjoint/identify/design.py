@@ -23,12 +23,12 @@ from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import (
     DriveTerm,
-    EffectTerm,
     Term,
     age_of,
     changing_drive,
     delay_of,
     drive_changes,
+    is_wave,
     torque_of,
 )
 from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge
@@ -291,7 +291,7 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
     for i, x in enumerate(term.free_shape):
         if isinstance(term, Timing):
             reach = np.inf
-        elif isinstance(term, EffectTerm) and term.effect.proposed_by == "spectrum" and i == 0:
+        elif is_wave(term) and i == 0:
             reach = np.pi / span / 2.0  # between the lines of a spectrum
         else:
             # a zero was not searched yet: the physical range decides

@@ -27,7 +27,7 @@ from frictionjoint.identify.rounding import best_of, first_least
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings, swings_of
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, leaps
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, is_wave, leaps
 from frictionjoint.threads import one_thread
 
 # fraction of a range within which a search has arrived at the range's end
@@ -179,7 +179,7 @@ class Search:
         """
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
-            if term.effect.proposed_by == "spectrum":
+            if is_wave(term):
                 wave, now = 2.0 * math.pi / self.prepared.usual_travel, term.free_shape[0]
                 least = (FEWEST_WAVES - HALF_A_WAVE) * wave
                 limits[0] = min(now, HALF_A_WAVE * wave) if now < least else least, limits[0][1]

@@ -202,6 +202,11 @@ def leaps(term: Term) -> bool:
     return isinstance(term, EffectTerm) and term.effect.leaps
 
 
+def is_wave(term: Term) -> bool:
+    """Whether a term is an effect that repeats along the position."""
+    return isinstance(term, EffectTerm) and term.effect.proposed_by == "spectrum"
+
+
 def age_of(terms: tuple[Term, ...], kind: type[Timing] = VelocityAge) -> float:
     """Age of the velocity in a controller's damping, or of another kind, s."""
     return sum(t.shape[0] for t in terms if isinstance(t, kind))
