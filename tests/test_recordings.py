@@ -62,10 +62,10 @@ def recording(seed: int, Fc: float = FC, sigma2: float = SIGMA2, noise: float = 
     return JointLog(name=f"log{seed}", joint="elbow", time=t, position=q, torque=tau)
 
 
-def known(error: float = 0.01) -> Known:
+def known(error: float = 0.01, Fs: float = FS) -> Known:
     """The friction that the joints have at first, as a report has it."""
     law = LuGreParameters.symmetric(
-        Fs=FS, Fc=FC, Vs=VS, sigma2=SIGMA2, sigma0=300.0, sigma1=0.5, delta=2.0
+        Fs=Fs, Fc=FC, Vs=VS, sigma2=SIGMA2, sigma0=300.0, sigma1=0.5, delta=2.0
     )
     spec = mujoco.MjSpec.from_string(ARM.format(joint="", end=""))
     install(spec, {"elbow": law})
@@ -88,6 +88,14 @@ def test_a_recording_says_what_changed() -> None:
     assert value(after, "Fc")[0] == pytest.approx(0.36, rel=0.03)
     assert value(after, "sigma2")[0] == pytest.approx(0.10, rel=0.08)
     assert 0.0 < value(after, "Fc")[1] < 0.01
+
+
+def test_a_number_that_changes_no_torque_is_not_resolvable() -> None:
+    logs = [recording(1), recording(2)]
+    for some in (logs[:1], logs):
+        states = {x.number: x.state for x in drift(known(Fs=FC), some)}
+        assert states["Vs"] == "not resolvable"
+        assert states["sigma2"] != "not resolvable"
 
 
 def report(folder: Path) -> Path:

@@ -81,7 +81,8 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
         informed = max(x.informed[i] for x in found)
         blind = 2.0 * sd > _NOTICED * abs(before) or informed < _INFORMED
         # Satterthwaite: the report's error is known, that of the logs is estimated
-        rows.append((number.name, float(before), now, sd, blind, dof * (sd / own) ** 4))
+        dof = dof * (sd / own) ** 4 if own else np.inf
+        rows.append((number.name, float(before), now, sd, blind, dof))
     tested = sum(not row[4] for row in rows)
 
     def state(before: float, now: float, sd: float, blind: bool, dof: float) -> State:
@@ -95,9 +96,10 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
 
 def _together(found: Sequence[Estimates], i: int) -> tuple[float, float, float]:
     """Mean of a parameter over new logs, its standard error, including their differences, and the
-    degrees of freedom of that error.
+    degrees of freedom of that error. Logs along which it changes no torque do not count.
     """
-    if len(found) == 1:
-        return float(found[0].value[i]), float(found[0].stderr[i]), found[0].dof
-    all_of_them = over(found, i)
+    own = [x for x in found if x.stderr[i] > 0.0] or found[:1]
+    if len(own) == 1:
+        return float(own[0].value[i]), float(own[0].stderr[i]), own[0].dof
+    all_of_them = over(own, i)
     return all_of_them.mean, all_of_them.stderr, all_of_them.dof
