@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.kept_back import prepare_kept_back
+from frictionjoint.diagnose.joint_logs import prepare_kept_back
 from frictionjoint.effects.warm_up_drift import BY_LOSS
 from frictionjoint.effects.warm_up_drift import EFFECT as BY_TIME
 from frictionjoint.errors import LogError

@@ -1,7 +1,7 @@
 """Identify one joint and search for what its model lacks.
 
 ``close_loop``       from logs to a report, step by step
-``joint_logs``       the logs as recorded and as prepared; ``kept_back`` those held out
+``joint_logs``       the logs as recorded and as prepared, fitted and held out
 ``trace``            the search; ``finding`` its outcome
 ``library``          effects and unnamed dependences that the logs can test
 ``gram``             scores of candidates from Gram matrices by block
