@@ -16,7 +16,7 @@ from frictionjoint.control.reconstruct import measures_drive, with_drive
 from frictionjoint.errors import LogError, NoMotionError, ParameterError, few
 from frictionjoint.evaluation.model import EvaluatedModel, friction_words, is_slide, require_joint
 from frictionjoint.evaluation.recording import Recording
-from frictionjoint.evaluation.simulated import closed_loop, replay, windows_of
+from frictionjoint.evaluation.simulated import closed_loop, replay
 from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.identify.held import Pose
 from frictionjoint.measured.gaps import split_at_gaps
@@ -25,6 +25,7 @@ from frictionjoint.measured.readers import log_files, read_log, require_logs
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
 from frictionjoint.mujoco_warnings import unheard
+from frictionjoint.replay.windows import WINDOW_S
 
 SCHEMA = "frictionjoint/evaluate-1"
 # error in per cent of the measured drive above which the percentage only means that the drive is
@@ -231,7 +232,8 @@ def _one_log(
     measured = {name: measures_drive(log) for name, log in logs.items()}
     recording = Recording.of({n: with_drive(log, controllers[n]) for n, log in logs.items()})
     m = EvaluatedModel(model, list(logs), list(recording.led), recording.kinds, fixed)
-    along = torque_along(m, recording, windows_of(recording))
+    between_restarts = max(2, round(WINDOW_S / recording.step))
+    along = torque_along(m, recording, between_restarts)
     runs = replay(m, recording, along) if all(measured.values()) else None
     known = {n: c for n in logs if (c := controllers[n]) and logs[n].target is not None}
     loop = closed_loop(m, recording, known) if set(known) == set(logs) else None

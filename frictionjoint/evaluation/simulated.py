@@ -17,12 +17,6 @@ from frictionjoint.evaluation.torque import Along
 from frictionjoint.measured.first_velocity import first_velocity
 from frictionjoint.mujoco_warnings import became_unstable
 from frictionjoint.replay.prescribed_motion import Prescribed
-from frictionjoint.replay.windows import WINDOW_S
-
-
-def windows_of(recording: Recording) -> int:
-    """Number of samples between restarts of the replay."""
-    return max(2, round(WINDOW_S / recording.step))
 
 
 def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, Array]:

@@ -253,7 +253,8 @@ def _newton(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoc
 
 
 def _isaac(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
-    for_physx = {name: p.without_springs() for name, p in plain.items()}
+    # PhysX has neither springs nor constant torques
+    for_physx = {name: replace(p, preload=0.0, stiffness=0.0) for name, p in plain.items()}
     model = add_plain(task.spec(), for_physx).compile()
     return scripts.isaac_text(task.path, plain, model), model
 

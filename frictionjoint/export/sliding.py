@@ -5,7 +5,7 @@ torque. Friction that differs between the directions becomes their mean and, exa
 difference as a constant torque.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import nnls
@@ -43,10 +43,6 @@ class PlainFriction:
     armature: float
     misfit: float
     lost: tuple[str, ...]
-
-    def without_springs(self) -> "PlainFriction":
-        """Plain friction for a program without springs and constant torques."""
-        return replace(self, preload=0.0, stiffness=0.0)
 
 
 def levels(parameters: Friction) -> dict[str, tuple[float, ...]]:

@@ -46,11 +46,6 @@ class Candidate:
         return self.cause.among if self.cause else 1.0
 
     @property
-    def order(self) -> int:
-        """Rank among all candidates."""
-        return self.first
-
-    @property
     def changed(self) -> str:
         """Key that is common to all forms of one change."""
         return self.cause.changed if self.cause else self.label

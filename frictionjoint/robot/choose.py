@@ -254,7 +254,7 @@ def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candida
 
 def _simplicity(row: _Row) -> tuple[int, bool, int]:
     """Sort key: fewest numbers first, then causes of the robot, in the catalogue's order."""
-    return len(row.candidate.at), row.candidate.cause is None, row.candidate.order
+    return len(row.candidate.at), row.candidate.cause is None, row.candidate.first
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:

@@ -65,9 +65,8 @@ def next_trajectory(
         if motion is None:
             continue
         scale, _ = motion
-        after = known.plus(
-            _gram(model, joints, moving, known, _motion(limits, scale * series, middle, time))
-        )
+        further = _gram(model, joints, moving, known, _motion(limits, scale * series, middle, time))
+        after = Information(known.parameters, known.gram + further)
         inner = after.gram[np.ix_(at, at)]
         worth = float(np.linalg.slogdet(inner)[1])
         if best is None or worth > best[0]:

@@ -42,11 +42,6 @@ def of_body(mass: float, centre: Array, about_centre: Array) -> Array:
     return np.array([mass, *(mass * centre), *inertia[_ROWS, _COLUMNS]])
 
 
-def point_mass(mass: float, moment: Array) -> Array:
-    """Parameters of a mass in one point; moment: mass times position, kg m, shape (3,)."""
-    return of_body(mass, moment / mass, np.zeros((3, 3)))
-
-
 def about_centre(phi: Array) -> tuple[float, Array, Array]:
     """Mass, centre of mass and the inertia about it, shape (3, 3), of a body with mass."""
     centre = phi[1:4] / phi[0]

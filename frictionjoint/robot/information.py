@@ -52,10 +52,6 @@ class Information:
     parameters: tuple[Parameter, ...]
     gram: Array = field(repr=False)
 
-    def plus(self, gram: Array) -> "Information":
-        """Information with further motion."""
-        return Information(self.parameters, self.gram + gram)
-
 
 @dataclass(frozen=True)
 class BaseParameters:

@@ -137,7 +137,7 @@ def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tupl
     left = min(squares for numbers, squares, _ in tried if numbers == fewest)
     # no log distinguishes sets within 0.1%
     alike = [x for n, squares, x in tried if n == fewest and squares <= 1.001 * left]
-    return min(alike, key=lambda several: sorted(c.order for c in several))
+    return min(alike, key=lambda several: sorted(c.first for c in several))
 
 
 def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ...]]:

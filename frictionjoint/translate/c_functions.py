@@ -289,7 +289,8 @@ class _Function(Expressions):
     def _room(self, target: ast.expr, value: ast.Call) -> list[str]:
         name, size = self.target(target), value.args[0]
         text = self.text(size)
-        if not names_in(size) & (self.locals | set(self.parameters)) and not _calls(size):
+        calls = any(isinstance(n, ast.Call) for n in ast.walk(size))
+        if not calls and not names_in(size) & (self.locals | set(self.parameters)):
             self.lengths[name] = text
             return [f"double {name}[{text}] = {{0}};"]
         count = f"{name}_n0"
@@ -325,10 +326,6 @@ def _from_outside(gathered: Gathered) -> list[str]:
         kinds = [_FOREIGN.get(ast.unparse(a.annotation or a), kind) for a, kind in annotated]
         made.append(f"FJ_SHARED {seen.result} (*fj_{outside.name})({', '.join(kinds) or NOTHING});")
     return ["\n".join(made)] if made else []
-
-
-def _calls(node: ast.AST) -> bool:
-    return any(isinstance(n, ast.Call) for n in ast.walk(node))
 
 
 def comment(text: str) -> str:

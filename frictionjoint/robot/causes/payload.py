@@ -11,7 +11,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import FREE, POSITIVE, Cause
 from frictionjoint.robot.corrections import Corrections
-from frictionjoint.robot.inertia import TEN, point_mass
+from frictionjoint.robot.inertia import TEN, of_body
 
 # kg: below it there is no payload, and its centre is nowhere; only slopes are taken there
 _NONE = 1e-6
@@ -61,7 +61,7 @@ class Payload(Cause):
         added = np.zeros(TEN)
         added[:4] = x[:4]
         if x[0] > _NONE:
-            added = point_mass(float(x[0]), x[1:4])
+            added = of_body(float(x[0]), x[1:4] / float(x[0]), np.zeros((3, 3)))
         added[[4, 7, 9]] += 2.0 * x[4]
         return state.with_body(self.body, state.phi[self.body] + added)
 
