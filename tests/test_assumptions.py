@@ -131,7 +131,8 @@ def test_a_breakaway_friction_that_the_logs_do_not_show_is_assumed():
     estimates = law_estimates(lower, stated_covariance(prepared, lower), False)
     assert estimates["Fs_pos"].stderr is None
     assert status_of("Fs_pos", estimates) == "assumed"
-    assert [n for n in assumed_note(lower, False) if "breakaway friction is assumed" in n]
+    times = {0.0: "equals Coulomb", 0.25: "is 1.25 times Coulomb"}[lower.shape.excess]
+    assert [n for n in assumed_note(lower, False) if f"It {times} friction" in n]
 
 
 def moves_at_rest(found) -> float:

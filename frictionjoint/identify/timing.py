@@ -133,8 +133,8 @@ class VelocityAge(Timing):
         """The note on an old velocity in the controller's damping."""
         return (
             f"The velocity of the controller's damping is {size} {_side(self)}, less than a "
-            "sample. The fit accounts for it: an inertia below kd times the sample time is not "
-            "from it."
+            "sample. The fit accounts for it: an inertia error below kd times the sample time is "
+            "not reported."
         )
 
 
