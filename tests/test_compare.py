@@ -44,7 +44,7 @@ def test_without_a_fall_the_stribeck_velocity_sets_no_speed():
     flat = FrictionParameters.symmetric(Fs=1.0, Fc=1.0, Vs=1e-4, sigma2=0.2, n=2, knots=KNOTS)
     (a,) = compared({"a": JointFriction(flat)})
     assert a.figures["torque at 1 rad/s, N m"] == pytest.approx(1.2)
-    motion = stated_motion(flat, 0.0, None)
+    motion = stated_motion(flat, 0.0, None, "rad")
     assert motion.speeds.max() == pytest.approx(1.0, rel=1e-3)
 
 
