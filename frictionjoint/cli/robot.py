@@ -14,8 +14,8 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
     """Logs by the robot's name, from texts NAME=LOG.
 
     Raises:
-        LogError: a text does not have that form, a name cannot name a folder, or there is only one
-            robot.
+        LogError: a text does not have that form, a name cannot name a folder, a log is given
+            twice, or there is only one robot.
     """
     found: dict[str, list[Path]] = {}
     for text in robots:
@@ -24,6 +24,8 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
             raise LogError(f"--robot {text}: write NAME=LOG, e.g. left=left_arm.csv")
         if "/" in name or name.startswith("."):
             raise LogError(f"--robot {name}: give a name for a folder, without / and leading .")
+        if any(Path(path) in logs for logs in found.values()):
+            raise LogError(f"--robot {text}: this log is given twice, give each robot its own")
         found.setdefault(name, []).append(Path(path))
     if len(found) == 1:
         raise LogError(f"--robot {name}: one robot is compared with none: give its logs as LOG")
