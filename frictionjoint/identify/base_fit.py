@@ -23,8 +23,10 @@ from frictionjoint.threads import one_thread
 
 # how the integrated law acts in the log of a simulation with MuJoCo's own `frictionloss`
 CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
-# of the critical damping: a hundredth still brings a joint to rest within a hundred periods
-_PARTS_OF_CRITICAL = tuple(0.5**k for k in range(8))
+# parts of the critical damping that are tried, and growth of the residual that shows nothing
+_PARTS_OF_CRITICAL, _NOTHING = tuple(0.5**k for k in range(8)), 0.01
+# of the critical damping: less hardly brings a joint to rest within a hundred periods
+_LITTLE = 0.02
 # Fs / Fc - 1 that may be assumed
 _EXCESSES = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
@@ -137,7 +139,8 @@ def with_assumed_damping(
         # a search could end in another minimum, where friction is viscous instead
         search = Search(prepared, fitted.terms, damped)
         found = search.result(search.start)
-        if _allowed(found, fitted):
+        # a joint that would not come to rest is worse than a residual that is not clearly larger
+        if _allowed(found, fitted, CLEARLY if part <= _LITTLE else _NOTHING):
             return found
     return fitted
 
@@ -167,9 +170,9 @@ def with_assumed_breakaway(
     return fitted
 
 
-def _allowed(found: Fit, fitted: Fit) -> bool:
-    """Whether the residual with an assumption is not clearly larger than without."""
-    return found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY)
+def _allowed(found: Fit, fitted: Fit, growth: float = CLEARLY) -> bool:
+    """Whether the residual with an assumption is not larger than without by more than a part."""
+    return found.drive_rms <= fitted.drive_rms / (1.0 - growth)
 
 
 def _law(
