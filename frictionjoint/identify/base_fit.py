@@ -25,7 +25,7 @@ from frictionjoint.threads import one_thread
 CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
 # parts of the critical damping that are tried, and growth of the residual that shows nothing
 _PARTS_OF_CRITICAL, _NOTHING = tuple(0.5**k for k in range(8)), 0.01
-# of the critical damping: less hardly brings a joint to rest within a hundred periods
+# part of the critical damping that brings a joint to rest within about a hundred periods
 _LITTLE = 0.02
 # Fs / Fc - 1 that may be assumed
 _EXCESSES = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
