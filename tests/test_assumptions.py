@@ -9,13 +9,13 @@ import pytest
 import frictionjoint as fj
 from frictionjoint import close_loop, uninstall
 from frictionjoint.decisions import CLEARLY
-from frictionjoint.identify.base_fit import (
-    base_fit,
+from frictionjoint.identify.assumptions import (
     shortest,
     with_assumed_breakaway,
     with_assumed_damping,
     with_assumed_stiffness,
 )
+from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.notes import assumed_note
 from frictionjoint.identify.prepare import prepare
@@ -54,7 +54,7 @@ def fitted(stiffness: float, noise: float = 2e-3):
 
 def test_a_stiffness_that_the_encoder_does_not_resolve_is_assumed():
     prepared, found = fitted(5e5)
-    assert found.shape.assumed
+    assert found.shape.stiffness_assumed
     stiffness = law_estimates(found, stated_covariance(prepared, found), False)["stiffness"]
     assert stiffness.stderr is None
     # no softer than what the logs would have shown
@@ -66,7 +66,7 @@ def test_a_stiffness_that_the_encoder_does_not_resolve_is_assumed():
 
 def test_a_stiffness_that_the_logs_show_is_estimated():
     prepared, found = fitted(20.0)
-    assert not found.shape.assumed
+    assert not found.shape.stiffness_assumed
     stiffness = law_estimates(found, stated_covariance(prepared, found), False)["stiffness"]
     assert stiffness.stderr is not None
     # that at a reversal, where the curve is steepest
@@ -84,7 +84,7 @@ def test_without_a_coulomb_level_no_stiffness_is_assumed_and_the_joint_does_not_
     prepared, found = base_fit(prepare([own], RigidBody(JOINT, "j")), "integrated")
     found = with_assumed_stiffness(prepared, found, stated_covariance)
     assert not found.has_level
-    assert not found.shape.assumed
+    assert not found.shape.stiffness_assumed
     (said,) = assumed_note(found, False)
     assert "no Coulomb friction" in said
 

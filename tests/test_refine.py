@@ -46,7 +46,7 @@ def case():
     off[0] += 0.15
     off[-2] *= 0.67
     fitted = vector.fit(off)
-    return fitted, refine(prepared, fitted, cov, courses), other
+    return fitted, refine(prepared, fitted, courses), other
 
 
 def test_the_refined_model_moves_nearer_on_another_gain(case):

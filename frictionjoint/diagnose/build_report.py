@@ -65,7 +65,7 @@ def build_report(
     proposals = what_to_record(
         parts.ties(found), parts.forms(found), found.unexplained, estimates, bool(logs.held_out)
     )
-    if scaled:  # else no motion says which torque it asks of the drive
+    if scaled:  # otherwise the torque that a motion needs is unknown
         planner = Planner(moving, final, body)
         computed = computed_proposals(planner, parts.rivals(found), cov, estimates)
         proposals = (*proposals, *computed)

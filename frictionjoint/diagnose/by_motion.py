@@ -65,8 +65,7 @@ def _asked_for(
     found: Trace, courses: Sequence[Course], armature: float, progress: Callable[[str], None]
 ) -> tuple[Trace, Refined]:
     """The model with the effects that the simulated motion of whole logs supports."""
-    cov = stated_covariance(found.prepared, found.final)
-    now = refine(found.prepared, found.final, cov, courses, progress)
+    now = refine(found.prepared, found.final, courses, progress)
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
         return found, now
     for _ in range(_MOST_LOOKS):

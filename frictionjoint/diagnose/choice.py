@@ -84,8 +84,8 @@ def promises(move: Move, seen: Look) -> bool:
     A refit gains up to 2.7 times what the screen promises (177 refits on 15 test joints). Effects
     that are certain to exist need not gain much.
     """
-    expected = 1.0 - float(move.left.sum() / seen.without.sum())
-    return all(c.comes_first for c in move.added) or expected >= SMALLEST_GAIN / _MOST_GROWTH
+    certain = all(c.comes_first for c in move.added)
+    return certain or seen.gain(move) >= SMALLEST_GAIN / _MOST_GROWTH
 
 
 def _much_before(unnamed: Tried, best: Tried, now: Scored) -> bool:

@@ -52,7 +52,7 @@ class Carried:
         still = body.torque(self.q, none, none, others)
         self.gravity, self.gx, self.gy = still.load, still.gx, still.gy
         self.sag, self.sway = still.sag, still.sway
-        self.inertia = body.torque(self.q, none, one, others).load - still.load
+        self.inertia = still.inertia
         self.centrifugal = body.torque(self.q, one, none, others).load - still.load
         self.armature = body.armature
 

@@ -82,8 +82,8 @@ class Look(NamedTuple):
     without: Array
     chance: float
 
-    def gain(self, row: Looked) -> float:
-        """Fraction of the held-out sum of squares that a candidate removes."""
+    def gain(self, row: Looked | Move) -> float:
+        """Fraction of the held-out sum of squares that a candidate, or a change, removes."""
         total = float(self.without.sum())
         return 1.0 - float(row.left.sum()) / total if total > 0.0 else 0.0
 

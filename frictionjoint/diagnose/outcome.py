@@ -12,7 +12,7 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.sight import sight
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.diagnose.unnamed import quantities_alike
-from frictionjoint.identify.base_fit import with_assumptions
+from frictionjoint.identify.assumptions import with_assumptions
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
 from frictionjoint.identify.intervals import stated_covariance

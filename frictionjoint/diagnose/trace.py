@@ -218,11 +218,13 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
         own, found = _compared(prepared, current, move)
         return Tried(move, own, scored(found, blocks))
 
-    moves = [m for m in Moves(current, seen, screened, candidates).best() if m.kind not in refused]
+    worth = [
+        m
+        for m in Moves(current, seen, screened, candidates).best()
+        if m.kind not in refused and beyond_chance(m, seen) and promises(m, seen)
+    ]
     with side_by_side() as each:
-        tried = list(
-            each(attempt, [m for m in moves if beyond_chance(m, seen) and promises(m, seen)])
-        )
+        tried = list(each(attempt, worth))
     choice = chosen(now, tried)
     if not choice or choice.taken.move.unnamed:
         # before the search ends or accepts an unnamed term: could a biased law mask an effect?

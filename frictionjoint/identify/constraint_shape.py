@@ -41,7 +41,7 @@ class ConstraintShape:
     variables = ("excess", "log Vs", "delta", "log V0 of v + lead a over Vs", "log lead")
     damped = False
     steps = True
-    assumed = True
+    stiffness_assumed = True
     breakaway_assumed = False
     damping = 0.0
 

@@ -50,7 +50,7 @@ def assumed_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
         )
     shape = fitted.shape
     found = []
-    if shape.assumed:
+    if shape.stiffness_assumed:
         found.append(
             "The presliding stiffness is assumed: these logs do not determine it. It is as high as "
             "the encoder's resolution and the time step allow, so that the joint sticks."

@@ -123,7 +123,7 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     rises = [x / values["Fc" + name[2:]] for name, x in values.items() if name[:2] == "Fs"]
     flat = bool(rises) and max(rises) <= 1.0 + _FLAT
     units, shape = units_of(fitted, slide), fitted.shape
-    assumptions = {"stiffness": shape.assumed, "Fs": shape.breakaway_assumed}
+    assumptions = {"stiffness": shape.stiffness_assumed, "Fs": shape.breakaway_assumed}
     found = {}
     for name, value in values.items():
         symbol = name.partition("_")[0]

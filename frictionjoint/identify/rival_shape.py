@@ -68,7 +68,7 @@ class RivalShape:
     numbers: tuple[float, ...]
     least_rate: float = 0.1
 
-    steps = assumed = breakaway_assumed = False
+    steps = stiffness_assumed = breakaway_assumed = False
     damping = 0.0
 
     @property

@@ -9,7 +9,8 @@ from frictionjoint.control.controller import unknown_notes
 from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.files import toml_text, toml_text_without_scale
-from frictionjoint.identify.base_fit import base_fit, with_assumptions
+from frictionjoint.identify.assumptions import with_assumptions
+from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.gate import check as check_balance

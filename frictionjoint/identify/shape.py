@@ -37,16 +37,16 @@ class Shape(Protocol):
         """Whether the law belongs to a simulator, so that the logs contain its time steps."""
 
     @property
-    def assumed(self) -> bool:
-        """Whether the stiffness is assumed, see `base_fit.with_assumed_stiffness`."""
+    def stiffness_assumed(self) -> bool:
+        """Whether the stiffness is assumed, see `assumptions.with_assumed_stiffness`."""
 
     @property
     def breakaway_assumed(self) -> bool:
-        """Whether Fs is assumed, see `base_fit.with_assumed_breakaway`."""
+        """Whether Fs is assumed, see `assumptions.with_assumed_breakaway`."""
 
     @property
     def damping(self) -> float:
-        """sigma1 over Fc that is assumed, s/rad, see `base_fit.with_assumed_damping`."""
+        """sigma1 over Fc that is assumed, s/rad, see `assumptions.with_assumed_damping`."""
 
     def with_assumed_stiffness(self, reach: float) -> Self:
         """This shape with an assumed stiffness, which is not searched.
@@ -150,7 +150,7 @@ class IntegratedShape:
             in (0, 1]; (1, 1) is a straight transition curve.
         form: what a search cannot vary smoothly.
         negative: excess and Vs of negative motion; None: as of positive motion.
-        damped, assumed, breakaway_assumed, damping: see `Shape`.
+        damped, stiffness_assumed, breakaway_assumed, damping: see `Shape`.
     """
 
     excess: float
@@ -161,7 +161,7 @@ class IntegratedShape:
     form: Form
     negative: tuple[float, float] | None = None
     damped: bool = False
-    assumed: bool = False
+    stiffness_assumed: bool = False
     breakaway_assumed: bool = False
     damping: float = 0.0
 
@@ -171,7 +171,7 @@ class IntegratedShape:
     def variables(self) -> tuple[str, ...]:
         """Numbers of both directions, then those of the negative one, without what is assumed."""
         names = _BOTH if self.negative is None else (*_BOTH, *_NEGATIVE)
-        assumed = {_LENGTH: self.assumed, _BOTH[0]: self.breakaway_assumed}
+        assumed = {_LENGTH: self.stiffness_assumed, _BOTH[0]: self.breakaway_assumed}
         assumed[_NEGATIVE[0]] = self.breakaway_assumed
         return tuple(name for name in names if not assumed.get(name))
 
@@ -256,7 +256,7 @@ class IntegratedShape:
 
     def with_assumed_stiffness(self, reach: float) -> Self:
         """The shape with a presliding length of at most `reach`, rad (m), not searched."""
-        return replace(self, length=min(reach, self.length), assumed=True)
+        return replace(self, length=min(reach, self.length), stiffness_assumed=True)
 
     def with_assumed_breakaway(self, excess: float) -> Self:
         """The shape with Fs = (1 + excess) Fc in both directions, not searched."""

@@ -65,19 +65,16 @@ class Refined:
 def refine(
     prepared: Prepared,
     fitted: Fit,
-    cov: Array,
     courses: Sequence[Course],
     progress: Callable[[str], None] = lambda text: None,
 ) -> Refined:
     """Refine all numbers of a fitted model by the motion of its logs.
 
     Args:
-        cov: of the fit's parameters, in the order of its Jacobian. courses: the logs it was fitted
-            to.
+        courses: the logs it was fitted to.
     """
     freed, begin = with_free_damping(prepared, fitted)
-    if freed is not fitted:
-        cov = stated_covariance(prepared, freed)
+    cov = stated_covariance(prepared, freed)
     begins = [begin, *without_stribeck(prepared, begin)]
     armature = courses[0].run.load.armature
     vectors = [Vector(prepared, freed, cov, armature, each) for each in begins]

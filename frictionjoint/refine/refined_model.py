@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from frictionjoint.identify.fit import Fit, without_scale
-from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
@@ -83,4 +82,4 @@ def refined_in_windows(
         prepared: these logs. fitted: to them. bodies: one per log.
     """
     courses = driven_courses(logs, bodies, prepared, WINDOW_S)
-    return refine(prepared, fitted, stated_covariance(prepared, fitted), courses, progress)
+    return refine(prepared, fitted, courses, progress)

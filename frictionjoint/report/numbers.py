@@ -99,15 +99,13 @@ def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
     leaves Fs undetermined.
     """
     x, (symbol, _, side) = law[name], name.partition("_")
-    stribeck = f"Vs_{side}" if side else "Vs"
-    if symbol == "Fs" and x.stderr is None:
-        return "assumed"
-    if symbol == "Fs" and stribeck in law and status_of(stribeck, law) == "not determined":
-        return "not determined"
     if x.stderr is None or not math.isfinite(x.stderr):
-        if symbol in ("stiffness", "sigma1"):
+        if symbol in ("stiffness", "sigma1", "Fs"):
             return "assumed"
         return "not determined" if symbol in ("Vs", "delta") else "fixed"
+    stribeck = f"Vs_{side}" if side else "Vs"
+    if symbol == "Fs" and stribeck in law and status_of(stribeck, law) == "not determined":
+        return "not determined"
     return "not determined" if x.is_loose else "determined"
 
 
