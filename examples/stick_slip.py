@@ -18,10 +18,10 @@ if sys.platform == "linux":
     os.environ.setdefault("MUJOCO_GL", "egl")  # read when mujoco is imported
 
 import mujoco
+from scope import Scope
 from viewer import film, pull, save
 
 import frictionjoint as fj
-from frictionjoint.simulate.scope import Scope
 from frictionjoint.simulate.stick_slip import JOINT, StickSlip, draw, kuka_model, stick_slip
 
 

@@ -22,9 +22,9 @@ if sys.platform == "linux":
 import mujoco
 import mujoco.viewer
 import numpy as np
+from scope import Scope
 
 import frictionjoint as fj
-from frictionjoint.simulate.scope import Scope
 from frictionjoint.simulate.stick_slip import kuka_model
 
 FRAMES_PER_SECOND = 25

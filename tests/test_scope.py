@@ -9,11 +9,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from scope import SLIP_COLOUR, STICK_COLOUR, Scope
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
 from frictionjoint.rivals import DahlParameters
-from frictionjoint.simulate.scope import SLIP_COLOUR, STICK_COLOUR, Scope
 from frictionjoint.simulate.stick_slip import JOINT, SPEED, kuka_model
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"

@@ -3,13 +3,13 @@
 import mujoco
 import numpy as np
 import pytest
+from scope import Scope
 
 import frictionjoint as fj
 from frictionjoint.files import toml_text
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.check import check_model
-from frictionjoint.simulate.scope import Scope
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
 JOINT = "<mujoco><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody></mujoco>"
