@@ -8,95 +8,62 @@ from typing import TYPE_CHECKING, Any
 from frictionjoint.callable_package import make_callable
 
 if TYPE_CHECKING:
-    from frictionjoint.batch import FrictionBatch
-    from frictionjoint.commands import close_loop, export, identify
-    from frictionjoint.evaluation.run import evaluate
-    from frictionjoint.law.motion import friction_torque
-    from frictionjoint.measured.readers import read_log
-    from frictionjoint.parameters import FrictionParameters
-    from frictionjoint.plotting import plot
-    from frictionjoint.simulate.attach import attach, disable, enable
-    from frictionjoint.simulate.carrier import install, load_model
-    from frictionjoint.simulate.check import check_model as check
-    from frictionjoint.simulate.mass_matrix import mass_matrix
-    from frictionjoint.simulate.memory_stacks import remembered
-    from frictionjoint.simulate.set_parameters import forget, set_parameters
-    from frictionjoint.simulate.thermal import set_temperature, set_warmth, temperature, warmth
-    from frictionjoint.simulate.torque import torque
-    from frictionjoint.simulate.uninstall import uninstall
-    from frictionjoint.simulate.warp import attach_warp
+    from frictionjoint.batch import FrictionBatch as FrictionBatch
+    from frictionjoint.commands import close_loop as close_loop
+    from frictionjoint.commands import export as export
+    from frictionjoint.commands import identify as identify
+    from frictionjoint.evaluation.run import evaluate as evaluate
+    from frictionjoint.law.motion import friction_torque as friction_torque
+    from frictionjoint.measured.readers import read_log as read_log
+    from frictionjoint.parameters import FrictionParameters as FrictionParameters
+    from frictionjoint.plotting import plot as plot
+    from frictionjoint.simulate.attach import attach as attach
+    from frictionjoint.simulate.attach import disable as disable
+    from frictionjoint.simulate.attach import enable as enable
+    from frictionjoint.simulate.carrier import install as install
+    from frictionjoint.simulate.carrier import load_model as load_model
+    from frictionjoint.simulate.check import check as check
+    from frictionjoint.simulate.mass_matrix import mass_matrix as mass_matrix
+    from frictionjoint.simulate.memory_stacks import remembered as remembered
+    from frictionjoint.simulate.set_parameters import forget as forget
+    from frictionjoint.simulate.set_parameters import set_parameters as set_parameters
+    from frictionjoint.simulate.thermal import set_temperature as set_temperature
+    from frictionjoint.simulate.thermal import set_warmth as set_warmth
+    from frictionjoint.simulate.thermal import temperature as temperature
+    from frictionjoint.simulate.thermal import warmth as warmth
+    from frictionjoint.simulate.torque import torque as torque
+    from frictionjoint.simulate.uninstall import uninstall as uninstall
+    from frictionjoint.simulate.warp import attach_warp as attach_warp
 
 # Kernels and MuJoCo load on first use, so that the import itself stays quick.
-_HOMES = {
-    "close_loop": "frictionjoint.commands",
-    "identify": "frictionjoint.commands",
-    "export": "frictionjoint.commands",
-    "read_log": "frictionjoint.measured.readers",
-    "plot": "frictionjoint.plotting",
-    "check": "frictionjoint.simulate.check",
-    "evaluate": "frictionjoint.evaluation.run",
-    "attach": "frictionjoint.simulate.attach",
-    "disable": "frictionjoint.simulate.attach",
-    "enable": "frictionjoint.simulate.attach",
-    "attach_warp": "frictionjoint.simulate.warp",
-    "install": "frictionjoint.simulate.carrier",
-    "load_model": "frictionjoint.simulate.carrier",
-    "remembered": "frictionjoint.simulate.memory_stacks",
-    "mass_matrix": "frictionjoint.simulate.mass_matrix",
-    "forget": "frictionjoint.simulate.set_parameters",
-    "set_parameters": "frictionjoint.simulate.set_parameters",
-    "set_temperature": "frictionjoint.simulate.thermal",
-    "set_warmth": "frictionjoint.simulate.thermal",
-    "temperature": "frictionjoint.simulate.thermal",
-    "warmth": "frictionjoint.simulate.thermal",
-    "torque": "frictionjoint.simulate.torque",
-    "uninstall": "frictionjoint.simulate.uninstall",
-    "FrictionBatch": "frictionjoint.batch",
-    "FrictionParameters": "frictionjoint.parameters",
-    "friction_torque": "frictionjoint.law.motion",
+_NAMES = {
+    "batch": "FrictionBatch",
+    "commands": "close_loop export identify",
+    "evaluation.run": "evaluate",
+    "law.motion": "friction_torque",
+    "measured.readers": "read_log",
+    "parameters": "FrictionParameters",
+    "plotting": "plot",
+    "simulate.attach": "attach disable enable",
+    "simulate.carrier": "install load_model",
+    "simulate.check": "check",
+    "simulate.mass_matrix": "mass_matrix",
+    "simulate.memory_stacks": "remembered",
+    "simulate.set_parameters": "forget set_parameters",
+    "simulate.thermal": "set_temperature set_warmth temperature warmth",
+    "simulate.torque": "torque",
+    "simulate.uninstall": "uninstall",
+    "simulate.warp": "attach_warp",
 }
-
-__all__ = [
-    "FrictionBatch",
-    "FrictionParameters",
-    "attach",
-    "attach_warp",
-    "check",
-    "close_loop",
-    "disable",
-    "enable",
-    "evaluate",
-    "export",
-    "forget",
-    "friction_torque",
-    "identify",
-    "install",
-    "load_model",
-    "mass_matrix",
-    "plot",
-    "read_log",
-    "remembered",
-    "set_parameters",
-    "set_temperature",
-    "set_warmth",
-    "temperature",
-    "torque",
-    "uninstall",
-    "warmth",
-]
-
-
-# public name -> name in its module, where that differs
-_OTHER_NAMES = {"check": "check_model"}
-
+_HOMES = {name: f"frictionjoint.{module}" for module, x in _NAMES.items() for name in x.split()}
+__all__ = sorted(_HOMES)
 
 make_callable(__name__)
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
-        module = importlib.import_module(_HOMES[name])
-        return getattr(module, _OTHER_NAMES.get(name, name))
+        return getattr(importlib.import_module(_HOMES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

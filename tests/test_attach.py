@@ -11,7 +11,7 @@ import frictionjoint as fj
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate import attach
 from frictionjoint.simulate.block import COUNT
-from frictionjoint.simulate.check import check_model
+from frictionjoint.simulate.check import check
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
 JOINT = """
@@ -261,5 +261,5 @@ def test_flags_that_are_disabled_after_attach_are_told_once():
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             fj.torque(model, data)
-        rows = check_model(model)
+        rows = check(model)
     assert any("friction does not act" in text for text in rows[0]["outside"])

@@ -9,7 +9,7 @@ from command_line import run
 import frictionjoint as fj
 from frictionjoint.effects import spring
 from frictionjoint.joint_friction import SimulatedEffect
-from frictionjoint.simulate.check import check_model
+from frictionjoint.simulate.check import check
 
 STEP, INERTIA = 1e-3, 0.01
 ONE = """<mujoco><option timestep="{step}" integrator="{integrator}">{flags}</option>
@@ -40,7 +40,7 @@ def joint(
 
 
 def row(**given) -> dict:
-    (found,) = check_model(joint(**given).compile())
+    (found,) = check(joint(**given).compile())
     return found
 
 

@@ -18,7 +18,7 @@ from frictionjoint.motors.bam import MODELS, BamParameters, from_bam, read_bam, 
 from frictionjoint.motors.library import get_motor, list_motors
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import install
-from frictionjoint.simulate.check import check_model
+from frictionjoint.simulate.check import check
 
 MODELS_FOLDER = Path(__file__).resolve().parents[1] / "models"
 MOTOR = {"kt": 0.38, "R": 3.4, "armature": 0.0019, "q_offset": 0.03}
@@ -212,7 +212,7 @@ def held(motor, inertia, seconds):
     )
     install(spec, {"j": law})
     model = spec.compile()
-    assert not [x for row in check_model(model) for x in row["outside"]]
+    assert not [x for row in check(model) for x in row["outside"]]
     data = mujoco.MjData(model)
     t = np.linspace(0.0, 20.0, 20001)
     data.qfrc_applied[0] = 0.4 * float(friction_torque(law, t, 0.01 * t)[-1])

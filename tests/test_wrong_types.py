@@ -9,7 +9,7 @@ import frictionjoint as fj
 from frictionjoint.files import toml_text
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.measured.log import JointLog
-from frictionjoint.simulate.check import check_model
+from frictionjoint.simulate.check import check
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
 JOINT = "<mujoco><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody></mujoco>"
@@ -53,7 +53,7 @@ class Environment:
         (lambda: fj.load_model(MODEL), "load_model takes the path of a file"),
         (lambda: fj.torque(MODEL, MODEL), r"give mujoco\.MjData\(model\)"),
         (lambda: fj.remembered(DATA, DATA), "remembered takes a mujoco.MjModel"),
-        (lambda: check_model("arm.xml"), "check_model takes a mujoco.MjModel"),
+        (lambda: check("arm.xml"), "check takes a mujoco.MjModel"),
         (lambda: Scope("arm.xml", "j"), "Scope takes a mujoco.MjModel"),
         (lambda: fj.friction_torque({}, [0], [0]), r"FrictionParameters\.from_dict"),
         (lambda: fj.friction_torque(FRICTION, "a.csv", [0]), "time is no array of numbers"),

@@ -119,7 +119,8 @@ def check(
     `frictionjoint check report/model.xml --strict --json`
     """
     from frictionjoint.simulate.carrier import load_model
-    from frictionjoint.simulate.check import check_model, integrator_note
+    from frictionjoint.simulate.check import check as check_model
+    from frictionjoint.simulate.check import integrator_note
 
     model = load_model(mjcf)
     findings = check_model(model)

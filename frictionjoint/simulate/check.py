@@ -22,7 +22,7 @@ _IMPLICIT, _EXPLICIT = 1000.0, 2.0
 _RESOLVED = 1.0
 
 
-def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
+def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
     """Check the friction of a model: one row per joint.
 
     Returns:
@@ -35,7 +35,7 @@ def check_model(model: mujoco.MjModel) -> list[dict[str, Any]]:
     Raises:
         ModelError: friction in the model is damaged. TypeError: no MjModel.
     """
-    require_model(model, "check_model")
+    require_model(model, "check")
     found, carried_by = resolve(model), read_friction(model)
     native = native_friction(model, carried_by)
     implicit = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
