@@ -1,135 +1,75 @@
-"""The passive-force callback in Python; ``simulate.native`` is the same in C, from the same
-kernels.
+"""The passive-force callback in Python: the code of `simulate.native`, on MuJoCo's own objects.
 
-Both are stateless: parameters are read from the model's numerics, state from the data's userdata.
-For a model without friction they only look through its numerics.
+There a structure is an address and a field an offset from it; here a structure is an MjModel or an
+MjData, and a field is one of its attributes.
 """
+
+import types
+from collections.abc import Callable
+from typing import Any
 
 import mujoco
 import numpy as np
 
-from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
-from frictionjoint.simulate.fast_step import joint_torque
-from frictionjoint.simulate.implicit_mass import put_in, take_back
-from frictionjoint.simulate.joint_effects import asks_for_load, coupled_load, joint_effects
-from frictionjoint.simulate.layout import data_structure
-from frictionjoint.simulate.motor_demand import commanded_torque, controls, gives_less
-from frictionjoint.simulate.native import PGS, PROJECTED, RK4
+from frictionjoint.simulate import native
+from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, data_structure
 from frictionjoint.simulate.resolve_when_stepped import make_ready
-from frictionjoint.simulate.row import BASE, T_EVALUATED
-from frictionjoint.simulate.shaft_wave import SHAFT, resist
 from frictionjoint.simulate.userdata_room import lacks_room, warn_of_no_room
 
 
-def python_callback(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """The passive callback in Python: slower than in C, but every line can be stepped through."""
-    P, X = model.numeric_data, data.userdata
-    if lacks_room(model, data):
-        warn_of_no_room(model._address)
-        return
-    step = model.opt.timestep
-    h = 0.0 if model.opt.integrator == RK4 else step
-    bias, moved = np.zeros(model.nv), np.zeros(model.nv)
-    loaded = changed = False
-    diagonal = model.M_rowadr + model.M_rownnz - 1
-    for i in range(model.nnumeric):
-        block = int(model.numeric_adr[i])
-        if P[block] != MAGIC and P[block] != SHAFT:
-            continue
-        if P[block + RESOLVED] == 0.0:
-            make_ready(model)
-            block = int(model.numeric_adr[i])
-        if P[block + RESOLVED] != 1.0:
-            continue
-        if P[block] == SHAFT:
-            resist(P, block, data.qpos, data.qvel, data.qfrc_passive)
-            continue
-        x, dof, joint = (int(P[block + k]) for k in (ROW, DOF, JOINT))
-        q, v, t = float(data.qpos[int(P[block + QPOS])]), float(data.qvel[dof]), data.time
-        effects = block + int(P[block + EFFECTS])
-        entry = int(diagonal[dof])
-        later = X[x + T_EVALUATED] != t
-        take_back(X, x, data.M, entry)
-        own = float(X[x + BASE])
-        weight = float(model.dof_invweight0[dof])
-        F = joint_torque(P, block + HEAD, effects, X, x, t, q, v, step, h, own, weight)
-        if P[effects] > 0.0:
-            commanded = 0.0
-            if gives_less(P, effects):
-                commanded = commanded_torque(
-                    joint,
-                    q,
-                    v,
-                    *controls(model),
-                    model.opt.disableflags,
-                    model.opt.disableactuator,
-                    model.actuator_trntype,
-                    model.actuator_trnid.reshape(-1),
-                    model.actuator_group,
-                    model.actuator_gear.reshape(-1),
-                    model.actuator_gainprm.reshape(-1),
-                    model.actuator_biasprm.reshape(-1),
-                    model.actuator_ctrllimited.view(np.bool_),
-                    model.actuator_ctrlrange.reshape(-1),
-                    data.ctrl,
-                )
-            load = 0.0
-            loads = asks_for_load(P, effects)
-            if loads >= 0:
-                if not loaded:
-                    loaded = True
-                    mujoco.mj_rne(model, data, 0, bias)
-                    mujoco.mj_mulM(model, data, moved, data.qacc)
-                    moved -= data.M[diagonal] * data.qacc
-                others = moved[dof] - data.qfrc_constraint[dof]
-                load = bias[dof] + coupled_load(P, block + HEAD, X, x, loads, later, others)
-            F += joint_effects(
-                P,
-                block,
-                X,
-                t,
-                q,
-                v,
-                load,
-                own - model.dof_armature[dof],
-                model.dof_armature[dof],
-                joint,
-                model.jnt_axis.reshape(-1),
-                data.xaxis.reshape(-1),
-                model.opt.gravity,
-                data.xmat.reshape(-1),
-                int(model.jnt_bodyid[joint]),
-                commanded,
-            )
-        data.qfrc_passive[dof] -= F
-        if put_in(X, x, data.M, entry, h):
-            changed = True
-            if hasattr(data, "qM"):
-                data.qM[model.dof_Madr[dof]] = data.M[entry]
-        if F != F:
-            break
-    if changed:
-        mujoco.mj_factorM(model, data)
-        if hasattr(data, "iM"):
-            _copy_to_islands(model, data)
-        if data.nefc and (model.opt.solver == PGS or model.opt.noslip_iterations > 0):
-            _give_back_projection(data)
-            mujoco.mj_projectConstraint(model, data)
+def _field(owner: Any, name: Any) -> Any:
+    """An attribute as an array of one index; empty where this MuJoCo lacks it, which is 0."""
+    if name == 0:
+        return np.zeros(0, dtype=np.int32)
+    return np.ravel(getattr(owner if hasattr(owner, name) else owner.opt, name))
+
+
+def _whole(owner: Any, name: Any) -> list[Any]:
+    """A number of the structure; of an array, in place of its address, the size."""
+    value = getattr(owner, name)
+    return [value.size if isinstance(value, np.ndarray) else value]
+
+
+def _flags(owner: Any, name: Any) -> Any:
+    return _field(owner, name).view(np.bool_)
 
 
 def _give_back_projection(data: mujoco.MjData) -> None:
-    """Free the projection of the constraints made before, which is the last in the arena."""
+    """`native.give_back_projection`; its fields are no attributes."""
     fields = data_structure().from_address(data._address)
-    begins = [getattr(fields, name, None) for name in PROJECTED]
+    begins = [getattr(fields, name, None) for name in native.PROJECTED]
     lowest = min((begin for begin in begins if begin), default=None)
     if lowest is not None:
         fields.parena = lowest - fields.arena
 
 
-def _copy_to_islands(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Mass matrix and factors of MuJoCo up to 3.10, which also stores them by island."""
-    for i, dof in enumerate(data.map_idof2dof[: data.nidof]):
-        data.iLDiagInv[i] = data.qLDiagInv[dof]
-        begin, n, to = model.M_rowadr[dof], model.M_rownnz[dof], data.iM_rowadr[i]
-        data.iM[to : to + n] = data.M[begin : begin + n]
-        data.iLD[to : to + n] = data.qLD[begin : begin + n]
+def _nothing(data: mujoco.MjData) -> None:
+    """Python's own memory needs no mark."""
+
+
+def _names(names: tuple[str, ...], *owners: type) -> list[Any]:
+    return [name if any(hasattr(owner, name) for owner in owners) else 0 for name in names]
+
+
+_IN_PYTHON: dict[str, Any] = {
+    "AT": [
+        *_names(MODEL_NAMES, mujoco.MjModel, mujoco.MjOption),
+        *_names(DATA_NAMES, mujoco.MjData),
+    ],
+    **dict.fromkeys(("reals", "shorts", "reals_in", "shorts_in"), _field),
+    "wholes_in": _whole,
+    "flags": _flags,
+    "lacks_room": lacks_room,
+    "give_back_projection": _give_back_projection,
+    "warn_of_no_room_in_c": lambda model: warn_of_no_room(model._address),
+    "make_ready_in_c": make_ready,
+    **{n: getattr(mujoco, n) for n in ("mj_factorM", "mj_mulM", "mj_projectConstraint", "mj_rne")},
+    "mj_stackAllocNum": lambda data, n: np.zeros(n),
+    **dict.fromkeys(("mj_markStack", "mj_freeStack"), _nothing),
+}
+
+_NATIVE: Any = native.native
+python_callback: Callable[[mujoco.MjModel, mujoco.MjData], None] = types.FunctionType(
+    _NATIVE.py_func.__code__, {**vars(native), **_IN_PYTHON}, "python_callback"
+)
+"""The callback in Python: slower than in C, but every line can be stepped through."""

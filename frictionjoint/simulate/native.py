@@ -1,7 +1,9 @@
 """The passive callback in C: MuJoCo calls it with the addresses of a model and its data.
 
 The offsets of their fields are known after the process has loaded its MuJoCo. They are kept in a
-table (``simulate.layout`` verifies it against a live model).
+table (``simulate.layout`` verifies it against a live model). ``simulate.callback`` runs the same
+code in Python. It is stateless: parameters are read from the model's numerics, state from the
+data's userdata. For a model without friction it only looks through its numerics.
 """
 
 import ctypes
@@ -11,7 +13,7 @@ from typing import Any
 
 import mujoco
 
-from frictionjoint.compiled import Table, compiled, entry_point, external
+from frictionjoint.compiled import Table, compiled, entry_point, external, in_line
 from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
 from frictionjoint.simulate.fast_step import joint_torque
 from frictionjoint.simulate.implicit_mass import put_in, take_back
@@ -63,14 +65,32 @@ AT = Table("offsets", len(MODEL_NAMES) + len(DATA_NAMES))
 """Bytes from the beginning of mjModel and mjData; 0 for a field that this MuJoCo lacks."""
 
 
+@in_line
+def lacks_room(m: Address, d: Address) -> bool:
+    """Whether data were made before their model got room for friction."""
+    there = wholes_in(d, AT[DATA.sensordata])[0] - wholes_in(d, AT[DATA.userdata])[0]
+    return bool(there < 8 * wholes_in(m, AT[MODEL.nuserdata])[0])
+
+
+@in_line
+def give_back_projection(d: Address) -> None:
+    """Free the projection of the constraints made before, which is the last in the arena."""
+    lowest = 0
+    for which in _D_PROJECTED:
+        begin = int(wholes_in(d, AT[which])[0]) if AT[which] != 0 else 0
+        if begin != 0 and (lowest == 0 or begin < lowest):
+            lowest = begin
+    if lowest != 0:
+        wholes_in(d, AT[DATA.parena])[0] = lowest - int(wholes_in(d, AT[DATA.arena])[0])
+
+
 @compiled
 def native(m: Address, d: Address) -> None:
-    """Subtract the friction of a model's joints from ``qfrc_passive``; see ``python_callback``."""
+    """Subtract the friction of a model's joints from ``qfrc_passive``."""
     n = int(wholes_in(m, AT[MODEL.nnumeric])[0])
     if n == 0:
         return
-    there = wholes_in(d, AT[DATA.sensordata])[0] - wholes_in(d, AT[DATA.userdata])[0]
-    if there < 8 * wholes_in(m, AT[MODEL.nuserdata])[0]:
+    if lacks_room(m, d):
         warn_of_no_room_in_c(m)
         return
     address, P = shorts(m, AT[MODEL.numeric_adr]), reals(m, AT[MODEL.numeric_data])
@@ -199,14 +219,7 @@ def native(m: Address, d: Address) -> None:
     if shorts_in(d, AT[DATA.nefc])[0] == 0:
         return
     if shorts_in(m, AT[MODEL.solver])[0] == PGS or shorts_in(m, AT[MODEL.noslip_iterations])[0] > 0:
-        # the projection that the position stage made goes: it is the last in the arena
-        lowest = 0
-        for which in _D_PROJECTED:
-            begin = int(wholes_in(d, AT[which])[0]) if AT[which] != 0 else 0
-            if begin != 0 and (lowest == 0 or begin < lowest):
-                lowest = begin
-        if lowest != 0:
-            wholes_in(d, AT[DATA.parena])[0] = lowest - int(wholes_in(d, AT[DATA.arena])[0])
+        give_back_projection(d)
         mj_projectConstraint(m, d)
 
 
