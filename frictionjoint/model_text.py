@@ -22,8 +22,6 @@ from frictionjoint.mujoco_warnings import as_python_warnings
 _SIZES = ("nq", "nv", "nu", "na", "nbody", "ngeom", "ntendon", "neq", "nsensor", "nuserdata")
 # what of a compiled model comes from asset files
 _FROM_FILES = ("mesh_vert", "mesh_face", "hfield_data", "tex_data", "skin_vert")
-# MJCF has six digits
-_DIGITS = 1e-5
 
 
 def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
@@ -180,7 +178,8 @@ def _require_same(before: mujoco.MjModel, after: mujoco.MjModel, name: str) -> N
             )
     for key in _FROM_FILES:
         old, new = np.asarray(getattr(before, key)), np.asarray(getattr(after, key))
-        if old.shape != new.shape or not np.allclose(old, new, rtol=_DIGITS, atol=_DIGITS):
+        # MJCF has six digits
+        if old.shape != new.shape or not np.allclose(old, new, rtol=1e-5, atol=1e-5):
             raise ModelError(
                 f"{name}: files of models that it attaches have the same name and MuJoCo's text "
                 f"does not say which is meant ({key} differs): give them different names"

@@ -31,7 +31,6 @@ Knots = tuple[tuple[float, float], ...]
 
 # knots of a transition curve, or Maxwell-slip elements, which are the same
 MOST_KNOTS = 16
-MOST_EXPONENT = 1000.0
 _MAGNITUDE = "> 0 (a magnitude, also for negative motion)"
 # range of each number, whatever its direction
 _RANGES: dict[str, tuple[Callable[[float], bool], str]] = {
@@ -41,7 +40,7 @@ _RANGES: dict[str, tuple[Callable[[float], bool], str]] = {
     "delta": (lambda x: 0.0 < x <= 10.0, "in (0, 10]"),
     "i": (lambda x: 0.0 <= x <= 10.0, "in [0, 10]"),
     "breakaway": (lambda x: 0.0 <= x <= 0.99, "in [0, 0.99]"),
-    "n": (lambda x: 1.0 <= x <= MOST_EXPONENT, f"in [1, {MOST_EXPONENT:g}]"),
+    "n": (lambda x: 1.0 <= x <= 1000.0, "in [1, 1000]"),
 }
 
 

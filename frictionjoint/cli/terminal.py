@@ -24,13 +24,12 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 
 # "fit: start 3 of 12": work that says how much is left
 _COUNTED = re.compile(r"(\d+)(?: of |/)(\d+)")
-_PIPED_WIDTH = 120
 
 
 def console() -> Console:
     """Standard output, wide enough for tables if redirected to a file."""
     out = Console()
-    return out if out.is_terminal else Console(width=_PIPED_WIDTH)
+    return out if out.is_terminal else Console(width=120)
 
 
 @contextlib.contextmanager

@@ -25,9 +25,8 @@ from frictionjoint.simulate.native_friction import native_friction
 _ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
 # a motor constant at which a dcmotor delivers practically no torque; MuJoCo 3 rejects 0
 _NO_CONSTANT = 1e-6
-# index of the motor constant in gainprm of a dcmotor, and of the Coulomb torque of its LuGre
-# friction in biasprm
-_CONSTANT, _LUGRE = 1, 3
+# index of the motor constant in gainprm of a dcmotor
+_CONSTANT = 1
 
 
 class EvaluatedModel:
@@ -180,7 +179,8 @@ def friction_words(model: mujoco.MjModel, joint: str) -> str:
             count = int(model.jnt_springyield[j] > 0.0) + tendons
             said.append(f"{count} yield spring{'s' if count > 1 else ''}")
     for i in actuators_of(model, joint):
-        if _is_dcmotor(model, i) and model.actuator_biasprm[i, _LUGRE] > 0.0:
+        # the fourth number is the Coulomb torque of its LuGre friction
+        if _is_dcmotor(model, i) and model.actuator_biasprm[i, 3] > 0.0:
             said.append(f"dcmotor {model.actuator(i).name or i} with LuGre friction")
     return "; ".join(said) or "none"
 

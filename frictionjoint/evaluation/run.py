@@ -28,9 +28,6 @@ from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.replay.windows import WINDOW_S
 
 SCHEMA = "frictionjoint/evaluate-1"
-# error in per cent of the measured drive above which the percentage only means that the drive is
-# off, so that it is not stated
-_MOST_PERCENT = 1000.0
 ReadLog = Callable[[str | Path, str], JointLog]
 
 
@@ -268,7 +265,7 @@ def _of_joint(
     percent = None
     if torque is None or size is None:
         notes[f"{joint}: no part of the logs has a known drive: no torque error is stated."] = None
-    elif 100.0 * torque <= _MOST_PERCENT * size:
+    elif torque <= 10.0 * size:  # a larger percentage only means that the drive is off
         percent = 100.0 * torque / size
     else:
         notes[

@@ -21,7 +21,6 @@ from frictionjoint.export.motion import Motion
 from frictionjoint.model_files import ONE_DOF
 from frictionjoint.simulate.attach import attach
 
-_DISPLACED, _DAMPING, _HELD_HZ = 0.1, 0.3, 3.0
 # its steps are never implicit: torque is wanted here and now, not at a step's end
 _EXPLICIT = int(mujoco.mjtIntegrator.mjINT_RK4)
 _ROBOT = 1  # an actuator group
@@ -91,7 +90,7 @@ def losses(
         base = _inverse(bare, joint, motion, False)
         here = _inverse(ours, joint, motion, True) - base
         there = _inverse(exported, joint, motion, False) - base + actuators.get(joint, 0.0)
-        stiffness = root_mean_square(here) / (_DISPLACED * float(np.ptp(motion.position)))
+        stiffness = root_mean_square(here) / (0.1 * float(np.ptp(motion.position)))
         run = _loop(ours, bare, joint, motion, stiffness, True)
         other = _loop(exported, bare, joint, motion, stiffness, False)
         if not np.isfinite(other).all():
@@ -221,7 +220,7 @@ def mass_at_start(model: mujoco.MjModel) -> Array:
 def _gains(mass: Array, own: int, stiffness: float, step: float) -> tuple[Array, Array]:
     """Springs and dampers of the loops, N m/rad and N m s/rad, shape (n,) each."""
     free = 1.0 / np.diag(np.linalg.inv(mass))  # inertia where the other joints are free
-    springs = (2.0 * np.pi * _HELD_HZ) ** 2 * np.diag(mass)
+    springs = (2.0 * np.pi * 3.0) ** 2 * np.diag(mass)  # 3 Hz hold the other joints
     # an explicit spring must not chatter: at most 0.3 rad per time step
     springs[own] = min(stiffness, free[own] * (0.3 / step) ** 2)
-    return springs, 2.0 * _DAMPING * np.sqrt(springs * free)
+    return springs, 2.0 * 0.3 * np.sqrt(springs * free)

@@ -14,13 +14,8 @@ from frictionjoint.measured.lowpass import LowPass, steep
 from frictionjoint.measured.readers import read_log
 from frictionjoint.parameters import Friction
 
-# of the stated motion: s between samples, s of one sine, sizes of sliding, s of the travel at one
-# speed, and of its beginning and end
-_STEP, _PERIOD, _SIZES, _TRAVEL, _EDGE = 2e-3, 2.0, 5, 5.0, 0.5
-# highest peak speed if no Stribeck velocity sets it, rad/s (m/s), and highest over lowest
-_FASTEST, _RANGE = 1.0, 200.0
-# of the presliding stretch, over the displacement in which friction reaches its limit
-_BEFORE_SLIDING = 0.5
+# of the stated motion: s between samples, s of one sine
+_STEP, _PERIOD = 2e-3, 2.0
 
 
 @dataclass(frozen=True)
@@ -71,16 +66,18 @@ def stated_motion(
             to 1 rad/s if friction does not fall with speed.
         unit: of the position, for the motion's name.
     """
-    top = 20.0 * (stribeck_velocity(parameters) or 0.0) or _FASTEST
-    lowest, highest = speeds or (top / _RANGE, top)
-    peaks = list(np.geomspace(lowest, highest, _SIZES))
+    top = 20.0 * (stribeck_velocity(parameters) or 0.0) or 1.0
+    lowest, highest = speeds or (top / 200.0, top)
+    peaks = list(np.geomspace(lowest, highest, 5))
     if parameters.stiffness > 0.0:
-        reach = _BEFORE_SLIDING * 2.0 * levels(parameters)["pos"][0] / parameters.stiffness
+        # half of the displacement, 2 Fs / K, in which friction reaches its limit
+        reach = levels(parameters)["pos"][0] / parameters.stiffness
         peaks.insert(0, np.pi * reach / _PERIOD)
     w = 2.0 * np.pi / _PERIOD
     turns = w * _STEP * np.arange(round(_PERIOD / _STEP))
     velocity = [peak * np.sin(turns) for peak in peaks]
-    edge = np.clip(np.arange(0.0, _TRAVEL, _STEP) / _EDGE, 0.0, 1.0)
+    # 5 s, of which 0.5 s at the beginning and at the end
+    edge = np.clip(np.arange(0.0, 5.0, _STEP) / 0.5, 0.0, 1.0)
     one_way = float(np.sqrt(lowest * highest)) * edge * edge[::-1]
     v = np.concatenate([*velocity, one_way, -one_way])
     q: Array = start + _STEP * np.append(0.0, np.cumsum(0.5 * (v[1:] + v[:-1])))

@@ -15,9 +15,6 @@ from frictionjoint.export.sliding import PlainFriction
 from frictionjoint.simulate.block import TAG, blocks, have_rows, rows_of_block
 from frictionjoint.simulate.shaft_wave import remove_waves
 
-# damping coefficients that a joint can have
-TERMS = 3
-
 
 def without_friction(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     """Remove the friction from a spec; changed in place."""

@@ -18,7 +18,7 @@ from frictionjoint.export.losses import Loss, losses, mass_at_start
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
-from frictionjoint.export.native import TERMS, add_plain, without_friction
+from frictionjoint.export.native import add_plain, without_friction
 from frictionjoint.export.sliding import (
     PlainFriction,
     levels,
@@ -133,7 +133,8 @@ def export(
     motions = _motions(task, speeds, log, columns or {})
     friction = {name: friction[name] for name in motions}
     of_mjx = target is Target.MJX
-    terms = TERMS if target is Target.NATIVE else 1
+    # coefficients of damping; MuJoCo's own is a polynomial
+    terms = 3 if target is Target.NATIVE else 1
     fast = target is Target.ISAAC and speeds is None and log is None
 
     def over(name: str) -> Array:

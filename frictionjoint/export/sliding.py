@@ -17,9 +17,8 @@ from frictionjoint.effects.signals import DT, N_SIGNALS, H, V
 from frictionjoint.errors import ParameterError
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.stribeck import stribeck_level
+from frictionjoint.parameter_checks import LEVELS
 from frictionjoint.parameters import Friction
-
-_PER_SIDE = 5
 
 
 @dataclass(frozen=True)
@@ -48,10 +47,10 @@ class PlainFriction:
 def levels(parameters: Friction) -> dict[str, tuple[float, ...]]:
     """Fs, Fc, Vs, delta, sigma2 of each direction, for any law."""
     block = parameters.pack()
-    first = 5 if parameters.law == "integrated" else 2
+    first, n = 5 if parameters.law == "integrated" else 2, len(LEVELS)
     return {
-        side: tuple(float(x) for x in block[at : at + _PER_SIDE])
-        for side, at in (("pos", first), ("neg", first + _PER_SIDE))
+        side: tuple(float(x) for x in block[at : at + n])
+        for side, at in (("pos", first), ("neg", first + n))
     }
 
 
@@ -61,18 +60,12 @@ def stribeck_velocity(parameters: Friction) -> float | None:
     return max(falls, default=None)
 
 
-# part of the fall from Fs to Fc that is left where sliding has none of it any more, and the range
-# of speeds above
-_FALLEN, _ABOVE, _SPEEDS = 0.01, 10.0, 50
-
-
 def speeds_above_stribeck(parameters: Friction) -> Array:
     """Speeds, rad/s, at which friction no longer falls, for programs with one dynamic friction."""
     both = levels(parameters)
-    lowest = max(
-        Vs * np.log(1.0 / _FALLEN) ** (1.0 / delta) for _, _, Vs, delta, _ in both.values()
-    )
-    return np.geomspace(lowest, _ABOVE * lowest, _SPEEDS)
+    # where 1% of the fall from Fs to Fc is left
+    lowest = max(Vs * np.log(100.0) ** (1.0 / delta) for _, _, Vs, delta, _ in both.values())
+    return np.geomspace(lowest, 10.0 * lowest, 50)
 
 
 def sliding_torque(carried: JointFriction, speeds: Array, side: str) -> Array:

@@ -21,8 +21,7 @@ from frictionjoint.export.sliding import PlainFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 
-# elements of a joint, and displacements that are tried for their yielding
-_MOST, _TRIED, _SAMPLES = 4, 60, 400
+_SAMPLES = 400
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ def yield_springs(parameters: Friction, coulomb: float) -> YieldSprings:
     reach = _reach(parameters, coulomb)
     q = reach * np.linspace(0.0, 1.0, _SAMPLES)
     F = np.minimum(_loading(parameters, q), coulomb)
-    tried = np.geomspace(reach / 100.0, reach, _TRIED)
+    tried = np.geomspace(reach / 100.0, reach, 60)
     scale = coulomb / reach
     limits = np.minimum(q[:, None], tried) * scale
     end = np.minimum(reach, tried) * scale
@@ -72,7 +71,8 @@ def yield_springs(parameters: Friction, coulomb: float) -> YieldSprings:
     weight = 10.0 * np.sqrt(_SAMPLES)
     A, b = np.vstack([limits, weight * end]), np.append(F, weight * coulomb)
     chosen, _ = nnls(A, b)
-    used = np.argsort(chosen * end)[::-1][:_MOST]
+    # the four largest elements
+    used = np.argsort(chosen * end)[::-1][:4]
     used = np.sort(used[chosen[used] > 0.0])
     again, _ = nnls(A[:, used], b)
     kept = again > 0.0

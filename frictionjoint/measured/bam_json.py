@@ -20,9 +20,6 @@ from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
-FULL_DUTY = 885.0
-_SIGNED = 1 << 15
-_REGISTER = 2 * _SIGNED
 _ENTRY = {"time_s": "timestamp", "position_rad": "position", "target_rad": "goal_position"}
 _MAY_LACK = {"velocity_rad_s": "speed", "temperature_c": "temp", "supply_v": "input_volts"}
 # motors whose load register contains the duty; their first logs name no motor
@@ -48,7 +45,7 @@ def read_bam_json(path: Path, joint: str | None) -> JointLog:
     columns["torque_enabled"] = enabled.astype(np.float64)
     if content.get("motor") in _DUTY_IN_LOAD and "load" in there:
         load = _column(path, entries, "load")
-        duty = np.where(load >= _SIGNED, load - _REGISTER, load) / FULL_DUTY
+        duty = np.where(load >= 2**15, load - 2**16, load) / 885.0
         # motor switched off: its leads are open, no voltage is applied
         columns["voltage_v"] = np.where(enabled, duty * _column(path, entries, "input_volts"), 0.0)
     figures = {key: _figure(path, key, x) for key, x in content.items() if _is_number(x)}

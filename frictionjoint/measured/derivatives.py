@@ -23,9 +23,6 @@ HIGHEST = 0.4
 SAME_POSITION = 1e-12
 # the least corner, Hz, which keeps the edges of friction
 LEAST_HZ = 5.0
-# lowest frequency of the position noise over the corner of the motion, where the spectrum holds it,
-# and samples per spectrum
-_NOISE_FROM, _NOISE_SAMPLES = 1.5, 512
 
 
 @dataclass(frozen=True)
@@ -112,9 +109,10 @@ def position_noise(position: Array, dt: float, corner_hz: float) -> float:
         position: on a uniform grid of step dt, s, shape (n,). corner_hz: end of the motion's band.
     """
     # a window with side lobes so low that the motion does not leak into the noise
-    n = min(len(position), _NOISE_SAMPLES)
+    n = min(len(position), 512)
     f, power = welch(position, 1.0 / dt, "blackmanharris", n, detrend="linear")
-    above = f >= min(_NOISE_FROM * corner_hz, HIGHEST / dt)
+    # noise alone is above one and a half times the corner, where the spectrum goes so far
+    above = f >= min(1.5 * corner_hz, HIGHEST / dt)
     # a median, which a line of the mains does not raise; the power of noise is chi-square
     # distributed with two degrees of freedom per average
     parts = max(1, 2 * len(position) // n - 1)

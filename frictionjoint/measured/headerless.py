@@ -18,8 +18,8 @@ from frictionjoint.measured.arrays import one_line
 
 _REMARKS = ("#", "%")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?inf(inity)?|nan", re.I)
-# a file holds its signals in rows from this many numbers per row on, and this many times fewer rows
-_LONG_ROW, _FEW_ROWS = 200, 10
+# a file holds its signals in rows from this many numbers per row on, and a tenth as many rows
+_LONG_ROW = 200
 
 
 def is_bare(path: Path) -> bool:
@@ -79,7 +79,7 @@ def _size(path: Path) -> tuple[int, int]:
         rows = 1
         for _ in lines if width >= _LONG_ROW else ():
             rows += 1
-    return width, rows if width >= max(_LONG_ROW, _FEW_ROWS * rows) else 0
+    return width, rows if width >= max(_LONG_ROW, 10 * rows) else 0
 
 
 def _first_lines(path: Path) -> list[str]:

@@ -20,8 +20,6 @@ from frictionjoint.measured.log import JointLog
 # Total rows of a fit, which needs about 8 kB and a constant time per row: at this limit half a
 # minute and 1 GB.
 MOST_ROWS = 100_000
-_SAMPLES_A_PERIOD = 10.0
-_FEWEST = 1000
 
 
 class LongLogWarning(UserWarning):
@@ -40,7 +38,7 @@ def bounded(logs: Sequence[JointLog]) -> list[JointLog]:
     total = sum(len(log.time) for log in logs)
     if total <= MOST_ROWS:
         return logs
-    return [_shorter(log, max(_FEWEST, int(len(log.time) * MOST_ROWS / total))) for log in logs]
+    return [_shorter(log, max(1000, int(len(log.time) * MOST_ROWS / total))) for log in logs]
 
 
 def _shorter(log: JointLog, most: int) -> JointLog:
@@ -64,12 +62,12 @@ def _shorter(log: JointLog, most: int) -> JointLog:
 
 
 def _most_averaged(log: JointLog) -> int:
-    """Number of neighbours that can be averaged without affecting the motion."""
+    """Number of neighbours that can be averaged: ten samples remain in the shortest period."""
     n = min(len(log.time), MOST_ROWS)
     time = log.time[:n]
     dt = float(time[-1] - time[0]) / (n - 1)
     position = uniform_motion(time, log.position[:n], time[0] + dt * np.arange(n))
-    return max(1, int(1.0 / (_SAMPLES_A_PERIOD * motion_band(position, dt).whole * dt)))
+    return max(1, int(1.0 / (10.0 * motion_band(position, dt).whole * dt)))
 
 
 def _averaged(log: JointLog, k: int) -> JointLog:

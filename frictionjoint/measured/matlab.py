@@ -24,8 +24,6 @@ _TYPES |= {13: "u8"}
 # array classes that hold plain numbers, double to uint64; what others are called
 _NUMERIC = range(6, 16)
 _OTHERS = {1: "cell", 2: "struct", 3: "object", 4: "text", 5: "sparse", 16: "function"}
-_OPAQUE = 17
-_COMPLEX = 0x0800
 # the part of a compressed variable that holds its flags, dimensions and name
 _FRONT = 4096
 
@@ -109,12 +107,12 @@ def _front(data: bytes, order: str) -> tuple[str, str | list[int], int]:
         raise MatlabError("a variable without its flags")
     (flag,) = struct.unpack_from(f"{order}I", flags)
     kind = flag & 0xFF
-    if kind == _OPAQUE:  # has no dimensions
+    if kind == 17:  # an opaque one has no dimensions
         name, at = _element(data, at, order)
         return _text(name), "object", at
     dimensions, at = _element(data, at, order)
     name, at = _element(data, at, order)
-    if kind not in _NUMERIC or flag & _COMPLEX:
+    if kind not in _NUMERIC or flag & 0x0800:  # a complex one has this flag
         other = "complex" if kind in _NUMERIC else _OTHERS.get(kind, f"class {kind}")
         return _text(name), other, at
     whole = dimensions[: len(dimensions) // 4 * 4]

@@ -18,9 +18,6 @@ _MEASURED = ("position_rad", "motor_position_rad")
 _TARGETS = {"position_rad": "target_rad", "position_m": "target_m"}
 _DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
 _HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
-# a reading stands alone that leaps away and back, over this fraction of the travel of the others,
-# and this many times as far as others move; nothing moves so in a hundred samples of a thousand
-_AWAY, _USUAL, _ALONE = 0.3, 8.0, 0.01
 
 
 def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
@@ -90,11 +87,13 @@ def without_lone_readings(columns: Mapping[str, Array]) -> tuple[dict[str, Array
         across = np.concatenate([[0.0], np.abs(x[2:] - x[:-2]), [0.0]])
         off = np.abs(x - near)
         usual = float(np.quantile(np.abs(np.diff(x)), 0.99))
-        travel = float(np.ptp(np.quantile(x, (_ALONE, 1.0 - _ALONE))))
-        least = max(_AWAY * travel, _USUAL * usual)
+        travel = float(np.ptp(np.quantile(x, (0.01, 0.99))))
+        # away and back over 30% of the travel of the others, and eight times as far as they move
+        least = max(0.3 * travel, 8.0 * usual)
         lone = (off > least) & (across < 0.1 * off) & (least > 0.0)
         lone[[0, -1]] = False
-        if not lone.any() or lone.sum() > _ALONE * len(x):
+        # what one sample in a hundred does is a motion
+        if not lone.any() or lone.sum() > 0.01 * len(x):
             continue
         mended = x.copy()
         mended[lone] = near[lone]

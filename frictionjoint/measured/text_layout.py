@@ -10,7 +10,6 @@ from typing import NamedTuple
 from frictionjoint.errors import LogError
 from frictionjoint.measured.units import is_unit
 
-_LONGEST_HEADER = 1 << 20
 _SEPARATORS = ",;\t "
 # name of a column that has none
 _UNNAMED = "(column {})"
@@ -58,7 +57,8 @@ def layout_of(path: Path) -> Layout:
     """
     try:
         with path.open(encoding="utf-8-sig") as file:
-            return _from_lines(path.name, iter(lambda: file.readline(_LONGEST_HEADER), ""))
+            # a header is shorter than a megabyte
+            return _from_lines(path.name, iter(lambda: file.readline(1 << 20), ""))
     except UnicodeDecodeError:
         raise LogError(f"{path.name}: not text in UTF-8, save it as UTF-8") from None
     except OSError as error:

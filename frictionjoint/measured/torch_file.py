@@ -32,8 +32,6 @@ _STORAGES = {
     "CharStorage": "i1",
     "ByteStorage": "u1",
 }
-# bytes of the pickle itself: containers and names, no numbers
-_LARGEST_PICKLE = 1 << 24
 
 
 class _Storage(NamedTuple):
@@ -80,7 +78,8 @@ def _load(path: Path, archive: zipfile.ZipFile) -> Any:
     pickles = [i for i in archive.infolist() if i.filename.rpartition("/")[2] == "data.pkl"]
     if len(pickles) != 1:
         raise LogError(f"{path.name}: not a file of torch.save: it has no data.pkl")
-    if pickles[0].file_size > _LARGEST_PICKLE:
+    # the pickle itself has containers and names, no numbers
+    if pickles[0].file_size > 1 << 24:
         raise LogError(f"{path.name}: data.pkl has {pickles[0].file_size} bytes, save tensors only")
     folder = pickles[0].filename[: -len("data.pkl")]
     order = "<"

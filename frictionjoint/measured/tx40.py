@@ -19,7 +19,6 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
 _POSITIONS, _CURRENTS = "pos_read_data.csv", "curr_data.csv"
-_RATE_HZ = 5000.0
 _IN_FILE = [f"Joint_{i}" for i in range(1, 7)]
 JOINTS = [name.lower() for name in _IN_FILE]
 _K = np.diag([32.0, 32.0, 45.0, -48.0, 45.0, 32.0])
@@ -47,7 +46,7 @@ def read_tx40(folder: Path, joint: str | None) -> JointLog:
     position, torque = np.linalg.solve(_K, motor.T), _K.T @ current.T
     own = JOINTS.index(name)
     columns = {
-        "time_s": np.arange(len(motor)) / _RATE_HZ,
+        "time_s": np.arange(len(motor)) / 5000.0,
         "position_rad": position[own],
         "motor_position_rad": motor[:, own].copy(),
         "torque_nm": torque[own],

@@ -31,17 +31,11 @@ _LARGEST = {
     "supply_v": (2e3, "volts (millivolts?)"),
     "temperature_c": (200.0, "degrees Celsius (kelvin?)"),
 }
-# A reading held while the joint went on shows as a leap over more counts than this, more times as
-# far as the neighbouring steps; no inertia allows one. Logs of servos at 50 Hz make up to 3% of
-# their travel so, where a bus loses messages it is most of it. A few leaps may be anything.
-_LEAP_COUNTS, _LEAP_ALONE, _MOST_LEAPT, _FEWEST_LEAPS = 4.5, 4.0, 0.25, 10
 _SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
 _TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
 # Ratio to a target in degrees or millimetres, and a travel that is long only in these:
 # wrong units, where the joint follows it so well. A joint held by friction follows a short one.
 _MISTAKEN_UNIT = {"position_rad": (np.pi / 180, np.pi), "position_m": (1e-3, 1.0)}
-_NEAR, _FOLLOWS = 0.2, 0.95
-_BLOCK = 1 << 16
 # With fewer different readings a joint stands, on the edge of a count, or its encoder is too coarse
 # for any velocity.
 _FEWEST_READINGS = 20
@@ -166,7 +160,8 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
     for name, x in columns.items():
         held = name.rpartition(".")[2] in _SPEED_OF
         leapt = _travel_leapt(columns["time_s"], x) if held else 0.0
-        if leapt > _MOST_LEAPT:
+        # logs of servos at 50 Hz leap over up to 3%; where a bus loses messages it is most of it
+        if leapt > 0.25:
             raise LogError(
                 f"{source}, {name}: {leapt:.0%} of the travel lies in jumps between repeated "
                 "readings: the joint moves on while they repeat (lost messages?): "
@@ -187,8 +182,10 @@ def _travel_leapt(time: Array, position: Array) -> float:
     neighbouring = np.maximum(step[:-2], step[2:])
     count = float(np.quantile(moved, 0.01))
     here = step[1:-1]
-    leaps = (here > _LEAP_ALONE * neighbouring) & (here > _LEAP_COUNTS * count)
-    if np.count_nonzero(leaps) < _FEWEST_LEAPS:
+    # A reading held while the joint went on is a leap over more than four counts, four times as far
+    # as the neighbouring steps; no inertia allows one. Fewer than ten may be anything.
+    leaps = (here > 4.0 * neighbouring) & (here > 4.5 * count)
+    if np.count_nonzero(leaps) < 10:
         return 0.0
     return float(here[leaps].sum() / step.sum())
 
@@ -237,9 +234,9 @@ def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
 
 def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, float]:
     """Sums of speed^2, slope * speed and slope^2, in blocks so that long logs need no copies."""
-    sums = np.zeros(3)
-    for start in range(0, len(time) - 1, _BLOCK):
-        part = slice(start, start + _BLOCK + 1)
+    sums, block = np.zeros(3), 1 << 16
+    for start in range(0, len(time) - 1, block):
+        part = slice(start, start + block + 1)
         slope = np.diff(position[part]) / np.diff(time[part])
         v = 0.5 * (speed[part][1:] + speed[part][:-1])
         sums += (v @ v, slope @ v, slope @ slope)
@@ -261,10 +258,10 @@ def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
     if min(float(np.ptp(columns[c])) for c in (name, target_name)) == 0.0:
         return
     ratio = float(np.std(columns[name]) / np.std(columns[target_name]))
-    follows = float(np.corrcoef(columns[name], columns[target_name])[0, 1]) > _FOLLOWS
+    follows = float(np.corrcoef(columns[name], columns[target_name])[0, 1]) > 0.95
     factor, far = _MISTAKEN_UNIT[unit]
     long = float(np.ptp(columns[target_name])) > far
-    mistaken = follows and long and abs(ratio / factor - 1.0) < _NEAR
+    mistaken = follows and long and abs(ratio / factor - 1.0) < 0.2
     # a joint does not run 20 times as far as its target
     if ratio > 20.0 or mistaken:
         raise LogError(

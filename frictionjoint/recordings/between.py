@@ -17,11 +17,6 @@ from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.recordings.estimate import Estimates
 from frictionjoint.recordings.variances import moderated
 
-# largest p-value at which a cause of differences is named
-_CAUSED = 0.01
-# least number of recordings to name a cause, and fraction of the variance that it must explain
-_FEWEST, _EXPLAINED = 6, 0.5
-
 
 @dataclass(frozen=True)
 class Between:
@@ -83,7 +78,8 @@ def between(
     errors = 1.0 / float(np.sum(stderr**-2.0))
     added = 1.0 / float(w.sum()) - errors
     cause, slope = "", 0.0
-    if p_value < SIGNIFICANCE and k >= _FEWEST:
+    # a cause is named from six recordings on
+    if p_value < SIGNIFICANCE and k >= 6:
         cause, slope = _cause(value, stderr, deviation, causes or {})
     return Between(
         mean,
@@ -112,8 +108,8 @@ def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float, int
 def _cause(
     value: Array, stderr: Array, deviation: float, causes: dict[str, Array]
 ) -> tuple[str, float]:
-    """The quantity that explains most of the difference, if there is one."""
-    best, found = 1.0 - _EXPLAINED, ("", 0.0)
+    """The quantity that explains most of the difference, at least half, with a p-value below 1%."""
+    best, found = 0.5, ("", 0.0)
     for name, x in causes.items():
         if not np.isfinite(x).all() or np.ptp(x) == 0.0:
             continue
@@ -127,6 +123,6 @@ def _cause(
         scale = max(1.0, float(w @ fit**2) / (k - 2))
         p_value = 2.0 * float(t.sf(abs(slope) / np.sqrt(inverse[1, 1] * scale), k - 2))
         share = left**2 / deviation**2 if deviation > 0.0 else 1.0
-        if p_value < _CAUSED / len(causes) and share < best:
+        if p_value < 0.01 / len(causes) and share < best:
             best, found = share, (name, slope)
     return found

@@ -22,9 +22,6 @@ from frictionjoint.refine.posterior import Posterior
 from frictionjoint.report.joints import read_joint
 
 State = Literal["confirmed", "changed", "not resolvable"]
-# relative change that must be detectable;
-# fraction of the information that must come from the new logs
-_NOTICED, _INFORMED = 0.5, 0.75
 
 
 @dataclass(frozen=True)
@@ -79,7 +76,8 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
         now, own, dof = _together(found, i)
         sd = float(np.hypot(error, own))
         informed = max(x.informed[i] for x in found)
-        blind = 2.0 * sd > _NOTICED * abs(before) or informed < _INFORMED
+        # a change by half must show, and three quarters of the information come from the new logs
+        blind = 2.0 * sd > 0.5 * abs(before) or informed < 0.75
         # Satterthwaite: the report's error is known, that of the logs is estimated
         dof = dof * (sd / own) ** 4 if own else np.inf
         rows.append((number.name, float(before), now, sd, blind, dof))

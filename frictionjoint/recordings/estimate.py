@@ -40,10 +40,6 @@ from frictionjoint.refine.vector import PRIOR_ERRORS, PRIOR_SIZE
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.carrier import install
 
-# step of a numerical derivative, as a fraction of the parameter
-_STEP = 0.02
-# blocks of time for the errors: least number, and longest duration, s
-_BLOCKS, _BLOCK_S = 12, 1.0
 # added noise variance over the measured one, signs with which the noise is added, and weight of the
 # estimate: value at variance 0 of the parabola through the estimates at variances 1, 2 and 3. The
 # two signs cancel what is linear in the added noise.
@@ -186,7 +182,8 @@ class _Part:
         corner = motion_band(position, dt).whole
         drawn = np.random.default_rng(0).standard_normal(len(position))
         seconds = float(log.time[-1] - log.time[0])
-        block = max(1e-9, min(_BLOCK_S, seconds / _BLOCKS))
+        # a second, or a twelfth of the log
+        block = max(1e-9, min(1.0, seconds / 12.0))
         noise = position_noise(position, dt, corner) * drawn
         return cls(log, corner, noise, block, int(seconds / block) + 1)
 
@@ -260,7 +257,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
     law = friction_torque(own.parameters, recording.time, q)
     columns = []
     for number, value in zip(numbers, known.values, strict=True):
-        by = _STEP * value
+        by = 0.02 * value
         try:
             other = changed(content, number, by)
         except ParameterError:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 # least number of recordings for a comparison
 FEWEST = 3
-# least fraction of the information on a parameter that must come from each recording
-_INFORMED = 0.5
 _MEASURED = {
     e.name for e in CATALOGUE if e.entry in ("acts on the measurement", "acts on the motor")
 }
@@ -50,7 +48,8 @@ def with_recordings(
     assert report.posterior is not None
     rows, columns, said, open_ones = [], [report.posterior.factor], [], []
     for i, number in enumerate(known.numbers):
-        own = [x for x in found if x.informed[i] > _INFORMED]
+        # at least half of the information must come from the recording
+        own = [x for x in found if x.informed[i] > 0.5]
         between = over(own, i) if len(own) >= FEWEST else None
         # A parameter of a law cannot be negative, so such estimates have another cause.
         if between is None or not _determined(between) or (number.of_law and between.mean < 0.0):

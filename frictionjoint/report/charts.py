@@ -25,12 +25,8 @@ LAW_COLOURS: tuple[LawColour, ...] = get_args(LawColour)
 
 # points of a line or a cloud, so that a page stays small
 _POINTS = 3000
-# s, and fraction of the log: length of the stretch that is shown in detail
-_STRETCH_S, _STRETCH = 2.0, 0.15
 # order in which a reader meets the quantities that an error may depend on
 _QUANTITIES = ("position", "velocity", "acceleration", "load", "time", "temperature_c")
-# turning points drawn; length behind one over that of presliding
-_MOST_TURNS, _REACH = 12, 6.0
 # samples needed before sliding at a steady speed is reached, and its longest path, rad (m)
 _PATH = np.concatenate([[0.0], np.geomspace(1e-9, 10.0, 800)])
 
@@ -82,7 +78,8 @@ def worst_stretch(report: Report) -> Stretch:
 
 def _worst(time: Array, error: Array) -> tuple[slice, float]:
     """The stretch of a log with the largest mean square of an error, and that; NaN counts as 0."""
-    size = max(_STRETCH_S, _STRETCH * float(time[-1] - time[0]))
+    # 2 s, or 15% of the log
+    size = max(2.0, 0.15 * float(time[-1] - time[0]))
     best = slice(0, len(time)), -1.0
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(error) ** 2)])
     known = np.concatenate([[0], np.cumsum(np.isfinite(error))])
@@ -191,14 +188,15 @@ def presliding(report: Report) -> Chart | None:
 
     All turns are drawn as if the joint continued in the positive direction.
     """
-    size = _REACH * presliding_distance(report.laws[1], 0.9)
+    # six times as far as presliding reaches
+    size = 6.0 * presliding_distance(report.laws[1], 0.9)
     found = [(c, window) for c in report.curves for window in turns(c, size)]
     if not found:
         return None
-    # the slowest ones: there presliding has the most samples
+    # the twelve slowest ones: there presliding has the most samples
     found.sort(key=lambda f: abs(np.ptp(f[0].position[f[1]])) / (f[1].stop - f[1].start))
     gone, measured, law = [], [], []
-    for c, w in found[:_MOST_TURNS]:
+    for c, w in found[:12]:
         sign = np.sign(c.position[w.stop - 1] - c.position[w.start])
         gone.append(np.abs(c.position[w] - c.position[w.start]))
         measured.append(sign * (c.measured - c.after + c.friction)[w])

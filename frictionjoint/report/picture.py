@@ -27,7 +27,6 @@ _STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "svg.fonttype": "none",
 }
-_DPI = 150
 # inches
 _WIDE, _ROW = 10.0, 2.4
 
@@ -58,7 +57,7 @@ def draw_charts(rows: Sequence[charts.Chart], title: str) -> Figure:
 def picture(figure: Figure, kind: str) -> bytes:
     """A figure as a file, "png" or "svg"."""
     buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind, dpi=_DPI)
+    figure.savefig(buffer, format=kind, dpi=150)
     return buffer.getvalue()
 
 

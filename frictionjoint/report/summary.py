@@ -29,9 +29,6 @@ from frictionjoint.report.wording import listed, quantity, three
 
 Content = Mapping[str, Any]
 
-# a significant candidate is mentioned from this part of the squared residual on
-_SUSPECT = 0.1
-
 
 @dataclass(frozen=True)
 class LogRow:
@@ -91,7 +88,8 @@ class Summary:
         """Candidates that are significant but too small to be added, if nothing was added."""
         if self.effects or not self.steps:
             return ()
-        return tuple(c for c in self.steps[-1] if c.gain >= _SUSPECT and c.p_value <= SIGNIFICANCE)
+        # mentioned from a tenth of the squared residual on
+        return tuple(c for c in self.steps[-1] if c.gain >= 0.1 and c.p_value <= SIGNIFICANCE)
 
     @property
     def covered(self) -> str:

@@ -26,8 +26,6 @@ from frictionjoint.robot.logs import Place, by_place
 
 Index = NDArray[np.int64]
 
-_MOST = 120
-
 
 @dataclass(frozen=True)
 class Clock:
@@ -74,7 +72,8 @@ def clock(joints: Sequence[FittedJoint]) -> Clock:
     total = float(spans.sum())
     alike = [_correlation(joint) for joint in joints]
     longest = float(np.median([seconds for seconds, _ in alike]))
-    length = float(np.clip(CORRELATION_TIMES * longest, total / _MOST, total / FEWEST_BLOCKS))
+    # 120 blocks at most
+    length = float(np.clip(CORRELATION_TIMES * longest, total / 120, total / FEWEST_BLOCKS))
     counts = np.maximum(2, np.round(spans / length)).astype(np.int64)
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
     log = np.repeat(np.arange(len(spans)), counts)

@@ -13,10 +13,6 @@ from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, JointGram, joint_gram
 
-# fraction of a joint's squares that an effect of its own must explain to compete
-_LITTLE = 0.02
-_DEPENDENT = 1e-6
-
 
 def own_effects(
     joint: FittedJoint, clock: Clock, own: Callable[[str], bool]
@@ -42,8 +38,9 @@ def own_effects(
         term = candidate.term
         x = candidate.columns * joint.fit.weight[:, None]
         x = x - base @ (base.T @ x)
-        explained = float(e @ x @ np.linalg.lstsq(x, e, rcond=_DEPENDENT)[0])
-        if explained > max(best.get(term.name, (_LITTLE * float(e @ e),))[0], 0.0):
+        explained = float(e @ x @ np.linalg.lstsq(x, e, rcond=1e-6)[0])
+        # an effect that explains less than 2% of the joint's squares does not compete
+        if explained > max(best.get(term.name, (0.02 * float(e @ e),))[0], 0.0):
             best[term.name] = (explained, candidate.columns)
     return [(named[name], x) for name, (_, x) in best.items()]
 

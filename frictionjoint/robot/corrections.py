@@ -11,8 +11,6 @@ from frictionjoint.robot.inertia import of_model, write
 from frictionjoint.simulate.shaft_wave import ShaftWave, add_wave
 
 SHAFT_NUMBERS = ("level", "viscous", "concave", "inertia", "sin", "cos")
-# MJCF has six digits: what differs by less is the same body
-_SAME = 1e-9
 
 
 @dataclass(frozen=True)
@@ -131,7 +129,8 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
     """
     model = spec.compile()
     before = of_model(model)
-    changed = np.abs(found.phi - before).max(axis=1) > _SAME * np.abs(before).max(axis=1)
+    # MJCF has six digits: what differs by less is the same body
+    changed = np.abs(found.phi - before).max(axis=1) > 1e-9 * np.abs(before).max(axis=1)
     if changed.any():
         _keep_inertias(spec, model, before)
     for body in spec.bodies:

@@ -26,9 +26,6 @@ from frictionjoint.robot.stack import roots
 
 # steps of the coordinates of a state in a difference, over 1 in SI units
 _STEP = 1e-3
-# of the largest eigenvalue, below which a direction moves no torque
-_NOTHING = 1e-12
-_MOST_STEPS = 60
 # of the steepest slope, below which a number shows nothing
 _FLAT = 1e-9
 
@@ -80,7 +77,7 @@ def _least(
         jac=slopes,
         bounds=tuple(bounds),
         x_scale="jac",
-        max_nfev=_MOST_STEPS,
+        max_nfev=60,
     )
 
 
@@ -278,7 +275,8 @@ def _squares(
     A, b = G[:n, :n], G[:n, -1]
     scale = roots(A)
     values, vectors = eigh(A / np.outer(scale, scale))
-    kept = values > _NOTHING * values[-1]
+    # directions of smaller eigenvalues move no torque
+    kept = values > 1e-12 * values[-1]
     root = np.sqrt(values[kept])
     factor = root[:, None] * vectors[:, kept].T * scale
     return factor, (vectors[:, kept].T @ (b / scale)) / root

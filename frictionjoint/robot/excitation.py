@@ -26,12 +26,7 @@ from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor
 
-_SECONDS, _HARMONICS, _SAMPLES, _TRIALS = 20.0, 5, 400, 60
-_RATE_HZ = 100.0
-# travel beyond that of the logs, over it, where the model states no range
-_FURTHER = 0.25
-_SHRUNK, _SHRINKS = 0.8, 12
-_FADE = 0.1
+_SECONDS, _HARMONICS = 20.0, 5
 
 
 @dataclass(frozen=True)
@@ -55,8 +50,8 @@ def next_trajectory(
     at = list(base.base)
     before = errors(known, at)
     best: tuple[float, Array, Array] | None = None
-    time = np.linspace(0.0, _SECONDS, _SAMPLES)
-    for _ in range(_TRIALS):
+    time = np.linspace(0.0, _SECONDS, 400)
+    for _ in range(60):
         series = (
             rng.normal(size=(2, _HARMONICS, len(joints))) / np.arange(1, _HARMONICS + 1)[:, None]
         )
@@ -74,7 +69,7 @@ def next_trajectory(
             fallen = errors(after, at) / before
     if best is None:
         return None
-    fine = np.arange(0.0, _SECONDS, 1.0 / _RATE_HZ)
+    fine = np.arange(0.0, _SECONDS, 0.01)
     q, _, _ = _motion(limits, best[1], best[2], fine)
     loosest = int(np.argmax(before))
     fall = float(np.median(fallen)), float(fallen[loosest])
@@ -88,7 +83,8 @@ def _limits(model: mujoco.MjModel, joints: Sequence[FittedJoint]) -> _Limits:
         signals = np.concatenate([s.signals for s in joint.prepared.segments])
         drive = np.concatenate([s.drive for s in joint.prepared.segments]) * joint.fit.gain
         low, high = float(signals[:, Q].min()), float(signals[:, Q].max())
-        room = _FURTHER * (high - low)
+        # where the model states no range: a quarter of the travel of the logs beyond it
+        room = 0.25 * (high - low)
         low, high = low - room, high + room
         j = model.joint(joint.name).id
         if model.jnt_limited[j]:
@@ -110,7 +106,8 @@ def _motion(
     angle = np.outer(time, w)
     waves = (np.sin(angle), np.cos(angle))
     moved = waves[0] @ series[0] + waves[1] @ series[1]
-    edge = np.clip(np.minimum(time, _SECONDS - time) / (_FADE * _SECONDS), 0.0, 1.0)
+    # the first and the last tenth of the time
+    edge = np.clip(np.minimum(time, _SECONDS - time) / (0.1 * _SECONDS), 0.0, 1.0)
     fade = edge**3 * (10.0 - 15.0 * edge + 6.0 * edge**2)
     centre = limits.low + middle * (limits.high - limits.low)
     q = centre + fade[:, None] * moved
@@ -131,7 +128,7 @@ def _within(
     centre = limits.low + middle * (limits.high - limits.low)
     moved = np.abs(q - centre).max(axis=0)
     scale = np.minimum(centre - limits.low, limits.high - centre) / np.maximum(moved, 1e-12)
-    for _ in range(_SHRINKS):
+    for _ in range(12):
         q, v, a = _motion(limits, scale * series, middle, time)
         slow = limits.speed / np.maximum(np.abs(v).max(axis=0), 1e-12)
         if np.any(slow < 1.0):
@@ -140,7 +137,7 @@ def _within(
         heavy, touches = _checked(model, joints, q, v, a, limits)
         if not touches and not heavy.any():
             return scale, q
-        scale = scale * (_SHRUNK if touches else np.where(heavy, _SHRUNK, 1.0))
+        scale = scale * (0.8 if touches else np.where(heavy, 0.8, 1.0))
     return None
 
 

@@ -22,9 +22,6 @@ from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.stack import Columns, Stack, roots
 from frictionjoint.robot.workers import Each
 
-# change of a joint's load over its residual, below which its law stays as it is
-_UNCHANGED = 0.01
-
 
 @dataclass(frozen=True)
 class Settled:
@@ -95,8 +92,9 @@ def _fitted_again(
 
 def _followed(joint: FittedJoint) -> FittedJoint:
     """The law fitted again, from all starts if it may be biased."""
-    # to first order the residual holds the shift already; a law adapts to a small one by less
-    if joint.shift is not None and root_mean_square(joint.shift) < _UNCHANGED * joint.rms:
+    # to first order the residual holds the shift already; to one below 1% of it a law adapts by
+    # less
+    if joint.shift is not None and root_mean_square(joint.shift) < 0.01 * joint.rms:
         return joint
     again = joint.refitted()
     # if the causes removed 30% of the squares, the law may be in another minimum

@@ -38,8 +38,6 @@ from frictionjoint.robot.simpler import simpler
 from frictionjoint.robot.ties import restated
 from frictionjoint.robot.workers import Each
 
-_MOST_ROUNDS = 10
-
 
 @dataclass(frozen=True)
 class Shared:
@@ -89,7 +87,7 @@ def shared_causes(
     simplest: tuple[_Now, frozenset[str]] | None = None
     # sets of effects of single joints that the causes were fitted with
     tried: set[frozenset[str]] = set()
-    for turn in range(1, _MOST_ROUNDS + 1):
+    for turn in range(1, 11):
         progress(f"looking for causes that joints share, round {turn}")
         here = now.settled.found
         possible = [*open_ones, *with_waves(now.joints, here)]

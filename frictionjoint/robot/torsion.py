@@ -25,8 +25,6 @@ from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.measured.log import JointLog
 from frictionjoint.report.entries import Torsion
 
-# standard errors from which on a part of the twist is there
-_SURE = 4.0
 # rise of the torque over its span within which the contact comes to slide
 _REACHES = (0.02, 0.05, 0.1, 0.2, 0.4)
 # torque over its largest below which it changes its side: loads in the gap and the filter blur it
@@ -108,7 +106,8 @@ class _Model:
         )
         error = float(np.sqrt((_BLOCKS - 1) * np.mean((left_out - left_out.mean()) ** 2)))
         value = float(_solved(self.X, self.y, count)[i])
-        return (value, error) if abs(value) > _SURE * error else None
+        # from four standard errors on a part of the twist is there
+        return (value, error) if abs(value) > 4.0 * error else None
 
 
 def _gears(logs: Sequence[JointLog]) -> tuple[float, dict[str, float]]:

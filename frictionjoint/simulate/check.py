@@ -15,12 +15,6 @@ from frictionjoint.simulate.idle_warning import callback_is_off
 from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
 from frictionjoint.simulate.native_friction import MEND, native_friction, tendon_friction
 
-# Largest h sqrt(K/J) and h sigma/J at which joints are tested to hold: with friction implicit in
-# the step, and with RK4, whose stages are explicit and stable up to about 2.8.
-_IMPLICIT, _EXPLICIT = 1000.0, 2.0
-# a presliding spring that turns over within a step
-_RESOLVED = 1.0
-
 
 def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
     """Check the friction of a model: one row per joint.
@@ -100,7 +94,8 @@ def integrator_note(model: mujoco.MjModel) -> str:
 
 def _outside(timestep: float, ratio: float, damping_ratio: float, implicit: bool) -> list[str]:
     """A sentence per exceeded limit of the time step."""
-    limit = _IMPLICIT if implicit else _EXPLICIT
+    # to which joints are tested to hold; the explicit stages of RK4 are stable up to about 2.8
+    limit = 1000.0 if implicit else 2.0
     fix = "" if implicit else "use the integrator implicitfast, or "
     found = []
     for what, value in (("h sqrt(K/J)", ratio), ("h sigma/J", damping_ratio)):
@@ -119,11 +114,10 @@ def _springs_outside(timestep: float, inverse: float, carried: JointFriction) ->
     for effect in carried.effects:
         for plain, value in zip(effect.effect.plain, effect.coefficients, strict=False):
             ratio = timestep * (max(value, 0.0) * inverse) ** 0.5
-            if plain == "stiffness" and ratio > _RESOLVED:
+            if plain == "stiffness" and ratio > 1.0:
                 found.append(
                     f"effect {effect.effect.name} is an explicit spring with h sqrt(k/J) = "
-                    f"{ratio:.3g}, above {_RESOLVED:g}: take a timestep <= "
-                    f"{timestep * _RESOLVED / ratio:.2g} s"
+                    f"{ratio:.3g}, above 1: take a timestep <= {timestep / ratio:.2g} s"
                 )
     return found
 
@@ -137,11 +131,9 @@ def _law_acts(law: str, stiffness: float, unit: str) -> list[str]:
 
 def _remark(ratio: float, timestep: float) -> str:
     """How well a time step suits a presliding spring with this h sqrt(K/J)."""
-    if ratio <= _RESOLVED:
+    if ratio <= 1.0:
         return "the time step resolves presliding"
-    return (
-        f"holds; presliding motion is resolved at timestep <= {timestep * _RESOLVED / ratio:.2g} s"
-    )
+    return f"holds; presliding motion is resolved at timestep <= {timestep / ratio:.2g} s"
 
 
 def how_it_acts(joint: str, carried: SimulatedEffect) -> str:

@@ -41,8 +41,6 @@ _LEAST_ROTOR, _MOST_ROTOR = 0.01, 0.5
 # flank's edge within a step gives or takes energy, so half as many
 _FASTEST = 0.7
 _FASTEST_FLANK = 0.5 * _FASTEST
-# the impedance of a flank: so small that the constraint is a spring of this stiffness
-_SOFT = 1e-4
 
 
 @dataclass(frozen=True)
@@ -134,7 +132,8 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
     unit = 180.0 / math.pi if hinge and spec.compiler.degree else 1.0
     made.limited = mujoco.mjtLimited.mjLIMITED_TRUE
     made.range = np.array([-1.0, 1.0]) * spring.half_gap / ratio * unit
-    made.solimp_limit[:] = _SOFT, _SOFT, 1.0, 0.5, 1.0
+    # an impedance so small that the constraint is a spring of this stiffness
+    made.solimp_limit[:] = 1e-4, 1e-4, 1.0, 0.5, 1.0
     # negative numbers are stiffness and damping, over the inertia that MuJoCo takes for the joint's
     made.solref_limit[:] = -stiffness * weight, -damping * weight
 

@@ -18,9 +18,6 @@ import mujoco
 from frictionjoint.effects.motor_saturation import given
 from frictionjoint.errors import ModelError
 
-# groups that `opt.disableactuator` can switch off
-_GROUPS = 31
-
 
 @dataclass(frozen=True)
 class Motor:
@@ -53,7 +50,8 @@ def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:
     earlier = spec.actuator(f"{joint}_{motor.drive}")
     if earlier is not None:
         spec.delete(earlier)
-    free = sorted(set(range(_GROUPS)) - {a.group for a in spec.actuators})
+    # `opt.disableactuator` can switch off 31 groups
+    free = sorted(set(range(31)) - {a.group for a in spec.actuators})
     if not free:
         raise ModelError("the model's actuators take all 31 groups: leave one for the motor")
     actuator = spec.add_actuator(

@@ -23,9 +23,6 @@ from frictionjoint.parameters import Friction
 from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, torque_now
 
-# rad (m): displacements between which friction comes to hold a joint at rest, and how often the
-# range is halved
-_STRAIN, _FURTHEST, _HALVINGS = 1e-9, 1.0, 40
 # rows of `Load.numbers`; mean, cosine and sine of each unit torque
 INERTIA, COS, SIN, REST, GX = range(5)
 GY = GX + 3
@@ -248,12 +245,13 @@ def _hold(given: _Given, X: Vector, q: float) -> bool:
         asked = given.motor[0] * tick(given.B, S, 0.0, given.target[0], q, 0.0, given.supply[0])
     tried = room(len(X))
     way = -math.copysign(1.0, _tried(given, X, tried, q, 0.0, asked))
-    least, most = 0.0, _STRAIN
+    # displacements, rad (m), from 1e-9 to 1; the range is then halved 40 times
+    least, most = 0.0, 1e-9
     while _tried(given, X, tried, q, way * most, asked) * way < 0.0:
         least, most = most, 2.0 * most
-        if most > _FURTHEST:
+        if most > 1.0:
             return False
-    for _ in range(_HALVINGS):
+    for _ in range(40):
         middle = 0.5 * (least + most)
         if _tried(given, X, tried, q, way * middle, asked) * way < 0.0:
             least = middle

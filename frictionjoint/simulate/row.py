@@ -41,12 +41,6 @@ LEAP = 3.0
 FRONT = WRITTEN + 1
 # a state beyond it, or not a number, has gone astray, and MuJoCo resets it in a step
 ASTRAY = float(mujoco.mjMAXVAL)
-# h^2 K / J at which half of a spring is implicit: a soft one loses less energy explicitly, a stiff
-# one must be implicit
-HALF_IMPLICIT = 0.25
-# the same of what slips within the step: MuJoCo's velocities belong to the middle of a step, its
-# positions to the ends
-SLIPPING = 0.5
 
 
 def row_size(law_row: int, n_effects: int) -> int:
@@ -140,7 +134,10 @@ def shared_out(
             `over_the_step`.
     """
     stiff = h * h * K * weight
-    implicit = elastic * stiff / (stiff + HALF_IMPLICIT) + (1.0 - elastic) * SLIPPING
+    # half of a spring is implicit at h^2 K / J = 0.25: a soft one loses less energy explicitly, a
+    # stiff one must be implicit. Half of what slips is: MuJoCo's velocities belong to the middle of
+    # a step, its positions to the ends
+    implicit = elastic * stiff / (stiff + 0.25) + (1.0 - elastic) * 0.5
     # half of a damper that is weak for the step acts at the velocity before it, so that its torque
     # is that of the step's middle; a strong one must be implicit, and then stops the joint
     explicit = 0.5 * inertia / (inertia + h * D) if D > 0.0 and inertia > 0.0 else 0.0

@@ -19,12 +19,11 @@ import mujoco
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.block import MAGIC
+from frictionjoint.simulate.block import MAGIC, VERSION
 from frictionjoint.simulate.model_view import ModelView, names_of, tagged_numerics
 
 SHAFT = MAGIC + 1.0
 SHAFT_TAG = "frictionjoint-shaft:"
-_VERSION = 1.0
 _RESOLVED, _QPOS, _DOF, _OTHER_QPOS, _OTHER_DOF, _RATIO, _WAVES, _SIN, _COS, _TURNS_OVER = range(
     2, 12
 )
@@ -51,7 +50,7 @@ class ShaftWave:
 def add_wave(spec: mujoco.MjSpec, tendon: str, wave: ShaftWave) -> None:
     """Write the wave of a tendon over two joints into a spec; changed in place."""
     numbers = [wave.ratio, wave.waves, wave.sin, wave.cos, wave.turns_over]
-    block = [SHAFT, _VERSION, 0.0, 0.0, 0.0, 0.0, 0.0, *numbers]
+    block = [SHAFT, VERSION, 0.0, 0.0, 0.0, 0.0, 0.0, *numbers]
     spec.add_numeric(name=SHAFT_TAG + tendon, data=block, size=_SIZE)
 
 
@@ -75,7 +74,7 @@ def resolve_waves(model: mujoco.MjModel | ModelView) -> None:
     tendons = names_of(model, "tendon")
     for name, at in wave_blocks(model).items():
         block, where = model.numeric_data[at : at + _SIZE], f"numeric {SHAFT_TAG}{name}"
-        if block[0] != SHAFT or block[1] != _VERSION:
+        if block[0] != SHAFT or block[1] != VERSION:
             raise ModelError(f"{where} is no friction of a shaft: write the model again")
         if name not in tendons:
             raise ModelError(

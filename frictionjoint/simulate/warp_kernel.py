@@ -42,8 +42,6 @@ from frictionjoint.translate.warp import translate
 # a row of state: time and position as mujoco_warp showed them last, the same as we count them, and
 # the row of `simulate.row`
 TIME_SHOWN, CLOCK, PLACE_SHOWN, PLACE, FRONT = range(5)
-# of its distance from the position shown that our place goes in a step in which that moves
-PULL = 0.01
 
 
 @functools.lru_cache(maxsize=8)
@@ -91,7 +89,8 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
             X[x + CLOCK] = X[x + CLOCK] + step
             X[x + PLACE] = X[x + PLACE] + way
             if moved:
-                X[x + PLACE] = X[x + PLACE] + double(PULL) * (q - X[x + PLACE])
+                # by a hundredth of its distance from the position shown
+                X[x + PLACE] = X[x + PLACE] + double(0.01) * (q - X[x + PLACE])
         X[x + TIME_SHOWN] = t
         X[x + PLACE_SHOWN] = q
 

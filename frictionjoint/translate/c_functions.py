@@ -28,7 +28,6 @@ from frictionjoint.translate.kinds import (
 )
 from frictionjoint.translate.simple_statements import names_in, stored_in
 
-_WIDTH = 100
 # C types of integers in external functions, by annotation
 _FOREIGN = {"int": "int", "Size": "size_t"}
 # a space at which lines are not broken
@@ -338,7 +337,7 @@ def _wrapped(line: str, deeper: int = 4) -> str:
     indent = len(line) - len(line.lstrip())
     return textwrap.fill(
         line,
-        _WIDTH,
+        width=100,
         subsequent_indent=" " * (indent + deeper),
         break_long_words=False,
         break_on_hyphens=False,

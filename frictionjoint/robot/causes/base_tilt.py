@@ -16,21 +16,13 @@ class BaseTilt(Cause):
     """Numbers: the rotation of gravity about two axes perpendicular to it, rad."""
 
     name: ClassVar[str] = "base-tilt"
+    steps = np.full(2, 1e-4)
+    bounds = (FREE, FREE)
 
     @property
     def place(self) -> dict[str, str]:
         """Empty: the base is one."""
         return {}
-
-    @property
-    def steps(self) -> Array:
-        """0.1 mrad about each axis."""
-        return np.full(2, 1e-4)
-
-    @property
-    def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Free: the base may be tilted by any angle."""
-        return (FREE, FREE)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """Gravity rotated about both axes."""

@@ -17,21 +17,13 @@ class JointOffset(Cause):
     joint: str
     slide: bool = False
     name: ClassVar[str] = "joint-offset"
+    steps = np.full(1, 1e-3)
+    bounds = (FREE,)
 
     @property
     def place(self) -> dict[str, str]:
         """The joint."""
         return {"joint": self.joint}
-
-    @property
-    def steps(self) -> Array:
-        """1 mrad (1 mm)."""
-        return np.full(1, 1e-3)
-
-    @property
-    def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Free: an encoder may be mounted at any angle."""
-        return (FREE,)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """The joint's zero shifted further."""

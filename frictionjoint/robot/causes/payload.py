@@ -34,21 +34,14 @@ class Payload(Cause):
     name: ClassVar[str] = "payload"
     homogeneous: ClassVar[bool] = True
     essential: ClassVar[int] = 1
+    # the centre is the moment over the mass: 0.1 mg
+    steps = np.array([1e-7, 1e-5, 1e-5, 1e-5, 1e-5])
+    bounds = ((_LEAST, np.inf), FREE, FREE, FREE, POSITIVE)
 
     @property
     def place(self) -> dict[str, str]:
         """The body that carries it."""
         return {"body": self.body_name}
-
-    @property
-    def steps(self) -> Array:
-        """0.1 mg of mass, since the centre is the moment over the mass; else 1e-5."""
-        return np.array([1e-7, 1e-5, 1e-5, 1e-5, 1e-5])
-
-    @property
-    def bounds(self) -> tuple[tuple[float, float], ...]:
-        """A positive mass, any centre, a nonnegative inertia."""
-        return ((_LEAST, np.inf), FREE, FREE, FREE, POSITIVE)
 
     def rays(self, x: Array) -> list[Array]:
         """The found moment with the mass that it has at each of several distances."""

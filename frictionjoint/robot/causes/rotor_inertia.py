@@ -22,6 +22,7 @@ class RotorInertia(Cause):
     armature: float
     slide: bool = False
     name: ClassVar[str] = "rotor-inertia"
+    steps = np.ones(1)
 
     @property
     def place(self) -> dict[str, str]:
@@ -31,11 +32,6 @@ class RotorInertia(Cause):
     def acts_on(self, joint: str) -> bool:
         """Only its own joint accelerates the rotor."""
         return joint == self.joint
-
-    @property
-    def steps(self) -> Array:
-        """1 kg m^2: the torque is linear in it."""
-        return np.ones(1)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
