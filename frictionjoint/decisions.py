@@ -23,15 +23,11 @@ DRIVE_DISCREPANCY = 0.007
 # simulated motion to first order is not tried; they are apart where one leaves half of what the
 # other leaves
 TIE, APART = 0.1, 0.5
-# part of a coefficient's columns that may lie in one fold: beyond it that fold is halved
-CONCENTRATED = 0.9
 # standard errors, or rms errors, beyond which something is more than chance
 SURELY = 2.0
-# part of an error that another law, or the motion without an effect, must take away: what chance or
-# a few more parameters do not make
+# part of an error that another law, or the motion without an effect, must take away, and part of a
+# joint's squares that a cause may add to them: what chance or a few more parameters do not make
 CLEARLY = 0.05
-# part of a joint's squares that a cause may add to them: a cause that is there harms no joint
-HARM = 0.05
 # K: a temperature that changes by less holds nothing but its sensor's flicker
 LEAST_WARMING = 1.0
 # what counts as explained: a residual up to this multiple of the instruments' noise, or one that is

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import CONCENTRATED
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import DEPENDENT, lengths, pseudo_inverse, without
@@ -74,7 +73,8 @@ class Screen:
     def _folds(self, grams: Array) -> Folds:
         """The folds; half-log folds if one fold alone determines a coefficient."""
         by_fold = self.blocks.folds.sums(np.einsum("bii->bi", grams))
-        if np.any(by_fold.max(axis=0) > CONCENTRATED * by_fold.sum(axis=0)):
+        # 90% of a coefficient's columns in one fold
+        if np.any(by_fold.max(axis=0) > 0.9 * by_fold.sum(axis=0)):
             return self.blocks.half_folds
         return self.blocks.folds
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
-from frictionjoint.decisions import HARM
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import toml_document
 from frictionjoint.identify.result import Estimate
@@ -166,7 +166,7 @@ class Report:
             before, after = pairs[name]
             assert before is not None
             assert after is not None
-            if low > 0.0 and after**2 > (1.0 + HARM) * before**2:
+            if low > 0.0 and after**2 > (1.0 + CLEARLY) * before**2:
                 found.append(name)
         return tuple(found)
 

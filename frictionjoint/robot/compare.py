@@ -6,7 +6,7 @@ Sums of squares are by joint and block of time, shape (J, B), in units of each j
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import DISCREPANCY, HARM, SMALLEST_GAIN
+from frictionjoint.decisions import CLEARLY, DISCREPANCY, SMALLEST_GAIN
 from frictionjoint.robot.stack import Stack
 
 
@@ -20,7 +20,7 @@ def enough(stack: Stack, before: Array, after: Array) -> bool:
 def harms(after: Array, before: Array) -> bool:
     """Whether a joint is predicted noticeably worse, and by more than chance."""
     return any(
-        float(a.sum()) > (1.0 + HARM) * float(b.sum()) and better(b[None], a[None])
+        float(a.sum()) > (1.0 + CLEARLY) * float(b.sum()) and better(b[None], a[None])
         for a, b in zip(after, before, strict=True)
     )
 
@@ -51,7 +51,7 @@ def as_much(stack: Stack, after: Array, before: Array) -> bool:
     """
     if _moved(stack, after, before) < DISCREPANCY:
         return True
-    least = float(after.sum()) <= (1.0 + HARM) * float(before.sum())
+    least = float(after.sum()) <= (1.0 + CLEARLY) * float(before.sum())
     return least and not better(before, after) and not harms(after, before)
 
 

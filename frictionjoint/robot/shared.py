@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import HARM
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import columns_of
@@ -257,12 +257,12 @@ class _Fits:
 
     def _explains_as_much(self, after: _Now, before: _Now) -> bool:
         """Whether causes leave the joints not noticeably more."""
-        return float(self._left(after, before).mean()) < 1.0 + HARM
+        return float(self._left(after, before).mean()) < 1.0 + CLEARLY
 
     def _nearer(self, after: _Now, before: _Now) -> bool:
         """Whether causes improve the fit of the joints, and worsen none noticeably."""
         ratios = self._left(after, before)
-        return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + HARM
+        return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + CLEARLY
 
     def _left(self, after: _Now, before: _Now) -> Array:
         """Ratio of the sums of squares after and before, by joint, (J,), with effects of single
@@ -298,7 +298,7 @@ class _Fits:
         ):
             choices = now.choices[:i] + now.choices[i + 1 :]
             trial = self.settled(now, found.without(i), choices)
-            most = (1.0 + HARM) * max(1.0, float(promised.mean()))
+            most = (1.0 + CLEARLY) * max(1.0, float(promised.mean()))
             if not _deviates_more(trial, now) and float(self._left(trial, now).mean()) <= most:
                 return trial
         return None
