@@ -26,81 +26,20 @@ _SCALARS = {
     "uint64_t": ctypes.c_uint64,
     "char": ctypes.c_char,
 }
-_MODEL_FIELDS = [
-    "nv",
-    "nnumeric",
-    "nuserdata",
-    "numeric_adr",
-    "numeric_data",
-    "opt",
-    "jnt_bodyid",
-    "jnt_axis",
-    "M_rowadr",
-    "M_rownnz",
-    "dof_invweight0",
-    "dof_armature",
-    "nu",
-    "actuator_trntype",
-    "actuator_trnid",
-    "actuator_group",
-    "actuator_gear",
-    "actuator_gainprm",
-    "actuator_biasprm",
-    "actuator_ctrllimited",
-    "actuator_ctrlrange",
-]
-_OPTION_FIELDS = [
-    "timestep",
-    "integrator",
-    "solver",
-    "noslip_iterations",
-    "disableflags",
-    "disableactuator",
-    "gravity",
-]
-_DATA_FIELDS = [
-    "time",
-    "qpos",
-    "qvel",
-    "qacc",
-    "qfrc_passive",
-    "qfrc_constraint",
-    "userdata",
-    "sensordata",
-    "M",
-    "xmat",
-    "xaxis",
-    "ctrl",
-    "arena",
-    "parena",
-    "nefc",
-    "efc_AR",
-    "efc_AR_rownnz",
-]
+_MODEL_FIELDS = """nv nnumeric nuserdata numeric_adr numeric_data opt jnt_bodyid jnt_axis M_rowadr
+M_rownnz dof_invweight0 dof_armature nu actuator_trntype actuator_trnid actuator_group actuator_gear
+actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange"""
+_OPTION_FIELDS = """timestep integrator solver noslip_iterations disableflags disableactuator
+gravity"""
+_DATA_FIELDS = """time qpos qvel qacc qfrc_passive qfrc_constraint userdata sensordata M xmat xaxis
+ctrl arena parena nefc efc_AR efc_AR_rownnz"""
 # what only some versions have: actuators that need not have one control and one output; from MuJoCo
 # 3.11 on efc_Y; until then the mass matrix in a second format, and copies by island
-_SOME_MODEL_FIELDS = [
-    "nactuator",
-    "actuator_ctrladr",
-    "actuator_ctrlnum",
-    "actuator_outadr",
-    "dof_Madr",
-]
-_SOME_DATA_FIELDS = [
-    "efc_Y",
-    "efc_Y_rownnz",
-    "qM",
-    "iM",
-    "iLD",
-    "iLDiagInv",
-    "qLD",
-    "qLDiagInv",
-    "iM_rowadr",
-    "map_idof2dof",
-    "nidof",
-]
-MODEL_NAMES = (*_MODEL_FIELDS, *_OPTION_FIELDS, *_SOME_MODEL_FIELDS)
-DATA_NAMES = (*_DATA_FIELDS, *_SOME_DATA_FIELDS)
+_SOME_MODEL_FIELDS = "nactuator actuator_ctrladr actuator_ctrlnum actuator_outadr dof_Madr"
+_SOME_DATA_FIELDS = """efc_Y efc_Y_rownnz qM iM iLD iLDiagInv qLD qLDiagInv iM_rowadr map_idof2dof
+nidof"""
+MODEL_NAMES = tuple(f"{_MODEL_FIELDS} {_OPTION_FIELDS} {_SOME_MODEL_FIELDS}".split())
+DATA_NAMES = tuple(f"{_DATA_FIELDS} {_SOME_DATA_FIELDS}".split())
 
 
 class LayoutMismatchError(RuntimeError):
@@ -163,18 +102,17 @@ def offsets() -> tuple[dict[str, int], dict[str, int]]:
     """
     model_type = model_structure()
     data_type = data_structure()
-    model = {name: getattr(model_type, name).offset for name in _MODEL_FIELDS}
-    data = {name: getattr(data_type, name).offset for name in _DATA_FIELDS}
-    model |= _where(model_type, _SOME_MODEL_FIELDS)
-    data |= _where(data_type, _SOME_DATA_FIELDS)
+    model = {x: getattr(model_type, x).offset for x in _MODEL_FIELDS.split()}
+    data = {x: getattr(data_type, x).offset for x in _DATA_FIELDS.split()}
+    for found, kind, some in (
+        (model, model_type, _SOME_MODEL_FIELDS),
+        (data, data_type, _SOME_DATA_FIELDS),
+    ):
+        found |= {x: getattr(kind, x).offset for x in some.split() if hasattr(kind, x)}
     option = _structure(structs.STRUCTS["mjOption"].fields)
-    model |= {x: model["opt"] + getattr(option, x).offset for x in _OPTION_FIELDS}
+    model |= {x: model["opt"] + getattr(option, x).offset for x in _OPTION_FIELDS.split()}
     _check(model, data)
     return model, data
-
-
-def _where(structure: Any, names: list[str]) -> dict[str, int]:
-    return {name: getattr(structure, name).offset for name in names if hasattr(structure, name)}
 
 
 def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
