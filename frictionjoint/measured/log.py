@@ -1,6 +1,6 @@
 """One measured log of one joint."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -17,6 +17,8 @@ FEWEST_ROWS = 50
 LARGEST_GAP = 10.0
 # A larger fraction leaves too little motion to fit.
 MOST_HELD_OUT = 0.8
+# fields of a log with arrays by name
+_BY_NAME = ("other_positions", "other_velocities", "signals")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,8 +89,10 @@ class JointLog:
         # kernels read float64 without gaps; a slice of a table, or float32, may be neither
         for name, x in self.columns().items():
             object.__setattr__(self, name, _as_kernels_read(x))
-        for name in ("other_positions", "other_velocities", "signals"):
-            found = {key: _as_kernels_read(x) for key, x in getattr(self, name).items()}
+        for name in _BY_NAME:
+            found = {
+                key: np.ascontiguousarray(x, np.float64) for key, x in getattr(self, name).items()
+            }
             object.__setattr__(self, name, found)
 
     def columns(self) -> dict[str, Array]:
@@ -105,37 +109,31 @@ class JointLog:
         velocities = {f"velocity of {name}": x for name, x in self.other_velocities.items()}
         return self.columns() | positions | velocities | self.signals
 
+    def mapped(self, change: Callable[..., Array], *others: "JointLog") -> "JointLog":
+        """The log with every array changed, without `before`.
+
+        Args:
+            change: of an array, and of the same one of each of some other logs.
+        """
+
+        def of(these: dict[str, Array], *those: dict[str, Array]) -> dict[str, Any]:
+            return {name: change(x, *(x[name] for x in those)) for name, x in these.items()}
+
+        more: dict[str, Any] = {
+            name: of(getattr(self, name), *(getattr(x, name) for x in others)) for name in _BY_NAME
+        }
+        own: dict[str, Any] = of(self.columns(), *(x.columns() for x in others))
+        return replace(self, before=None, **own, **more)
+
     def part(self, samples: slice, suffix: str) -> "JointLog":
         """A part of the log under a new name."""
-        own: dict[str, Any] = {name: x[samples] for name, x in self.columns().items()}
-        return replace(
-            self,
-            name=f"{self.name}{suffix}",
-            other_positions={name: x[samples] for name, x in self.other_positions.items()},
-            other_velocities={name: x[samples] for name, x in self.other_velocities.items()},
-            signals={name: x[samples] for name, x in self.signals.items()},
-            before=None,
-            **own,
-        )
+        return replace(self.mapped(lambda x: x[samples]), name=f"{self.name}{suffix}")
 
     def with_before(self) -> "JointLog":
         """The log joined with its `before`."""
         if self.before is None:
             return self
-        first: dict[str, Any] = self.before.columns()
-
-        def joined(those: dict[str, Array], these: dict[str, Array]) -> dict[str, Array]:
-            return {name: np.concatenate([those[name], x]) for name, x in these.items()}
-
-        own: dict[str, Any] = joined(first, self.columns())
-        return replace(
-            self,
-            other_positions=joined(self.before.other_positions, self.other_positions),
-            other_velocities=joined(self.before.other_velocities, self.other_velocities),
-            signals=joined(self.before.signals, self.signals),
-            before=None,
-            **own,
-        )
+        return self.mapped(lambda x, first: np.concatenate([first, x]), self.before)
 
     def with_gain(self, gain: float) -> "JointLog":
         """The log with the torque that follows from current or voltage with a known motor

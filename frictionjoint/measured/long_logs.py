@@ -8,7 +8,6 @@ that is still too long is cut at its end.
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -72,20 +71,8 @@ def _most_averaged(log: JointLog) -> int:
 
 def _averaged(log: JointLog, k: int) -> JointLog:
     def mean(x: Array) -> Array:
-        out: Array = x[: len(x) // k * k].reshape(-1, k).mean(axis=1)
-        return out
+        """Of neighbours; the drive is on where it is on in all of them."""
+        parts = x[: len(x) // k * k].reshape(-1, k)
+        return np.asarray(parts.all(axis=1) if x.dtype == np.bool_ else parts.mean(axis=1))
 
-    columns: dict[str, Any] = {
-        name: mean(x) for name, x in log.columns().items() if name != "torque_enabled"
-    }
-    if log.torque_enabled is not None:
-        whole = log.torque_enabled[: len(log.time) // k * k].reshape(-1, k)
-        columns["torque_enabled"] = whole.all(axis=1)
-    return replace(
-        log,
-        other_positions={name: mean(x) for name, x in log.other_positions.items()},
-        other_velocities={name: mean(x) for name, x in log.other_velocities.items()},
-        signals={name: mean(x) for name, x in log.signals.items()},
-        before=_averaged(log.before, k) if log.before else None,
-        **columns,
-    )
+    return replace(log.mapped(mean), before=_averaged(log.before, k) if log.before else None)
