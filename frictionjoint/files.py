@@ -1,9 +1,7 @@
 """Parameter files: TOML with the law's fields, and the effects under ``[[effects]]``."""
 
 import contextlib
-import json
 import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +13,7 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.laws import parameters_from_dict
 from frictionjoint.parameters import Friction
+from frictionjoint.structured_files import read_json, read_toml
 
 
 def read_parameters(path: Path) -> JointFriction:
@@ -23,32 +22,11 @@ def read_parameters(path: Path) -> JointFriction:
     Raises:
         ParameterError: the file is missing, is no TOML, or contains an unknown entry.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: not TOML: {' '.join(str(error).split())}") from None
+    content = read_toml(path)
     try:
         return joint_friction(content)
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
-
-
-def read_json(path: Path, fix: str) -> Any:
-    """Content of a JSON file.
-
-    Args:
-        fix: what the user should do if it is no JSON.
-    Raises:
-        ParameterError: the file is missing, or no JSON.
-    """
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise ParameterError(f"{path}: not JSON: {fix}") from None
 
 
 def read_samples(path: Path) -> tuple[JointFriction, ...]:

@@ -53,7 +53,7 @@ def compiled_copy(spec: mujoco.MjSpec) -> mujoco.MjModel:
         with as_python_warnings(), compiling():
             return spec.copy().compile()
     except ValueError as error:
-        raise ModelError(f"MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
+        raise ModelError(f"MuJoCo cannot compile it: {error}") from None
 
 
 def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
@@ -90,10 +90,9 @@ def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel
             if needed
             else ""
         )
-        reason = " ".join(str(error).split())
-        how = _how_to_balance(urdf_given) if _BALANCED in reason else ""
+        how = _how_to_balance(urdf_given) if _BALANCED in str(error) else ""
         raise ModelError(
-            f"{source_name(model)}: MuJoCo cannot compile it: {reason}{how}{looked}"
+            f"{source_name(model)}: MuJoCo cannot compile it: {error}{how}{looked}"
         ) from None
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from frictionjoint.errors import ModelError
 from frictionjoint.model_files import compiling, source_name
+from frictionjoint.model_joints import is_slide
 from frictionjoint.mujoco_warnings import as_python_warnings
 
 _SIZES = ("nq", "nv", "nu", "na", "nbody", "ngeom", "ntendon", "neq", "nsensor", "nuserdata")
@@ -45,8 +46,7 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
             text = str(spec.to_xml())
             after = mujoco.MjModel.from_xml_string(text)
         except ValueError as error:
-            reason = " ".join(str(error).split())
-            raise ModelError(f"{name}: MuJoCo cannot read what it writes of it: {reason}") from None
+            raise ModelError(f"{name}: MuJoCo cannot read what it writes of it: {error}") from None
     _require_same(before, after, name)
     return _explained(text, before)
 
@@ -59,11 +59,9 @@ def _explained(text: str, model: mujoco.MjModel) -> str:
 
     if not blocks(model):
         return text
-    slide = int(mujoco.mjtJoint.mjJNT_SLIDE)
     for joint, carried in read_friction(model).items():
-        is_slide = int(model.jnt_type[model.joint(joint).id]) == slide
         # two dashes would end a comment
-        said = one_line(joint, carried, is_slide).replace("--", "- -")
+        said = one_line(joint, carried, is_slide(model, joint)).replace("--", "- -")
         tag = f"<numeric name={quoteattr(TAG + joint)}"
         text = text.replace(tag, f"<!-- {said} -->\n    {tag}", 1)
     return text
@@ -97,8 +95,7 @@ def require_compiles(path: Path) -> None:
         try:
             mujoco.MjModel.from_xml_path(str(path))
         except ValueError as error:
-            reason = " ".join(str(error).split())
-            raise ModelError(f"the model would not load from its folder: {reason}") from None
+            raise ModelError(f"the model would not load from its folder: {error}") from None
 
 
 def _relative(path: Path, home: Path) -> str:

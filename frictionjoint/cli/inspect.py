@@ -63,7 +63,7 @@ def _of_model(file: Path) -> list[dict[str, Any]]:
         if int(model.jnt_type[j]) not in ONE_DOF:
             continue
         name = model.joint(j).name
-        slide = int(model.jnt_type[j]) == ONE_DOF[1] if len(ONE_DOF) > 1 else False
+        slide = int(model.jnt_type[j]) == ONE_DOF[1]
         rows.append(
             _carried(name, carried[name], slide) if name in carried else _native(model, j, slide)
         )

@@ -1,6 +1,5 @@
 """Controller files: values for all joints, and tables [joint.NAME] with differences."""
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -13,6 +12,7 @@ from frictionjoint.control.mjcf_servos import IN_MJCF, controller_in
 from frictionjoint.control.presets import PRESETS
 from frictionjoint.errors import ParameterError
 from frictionjoint.measured.arguments import expect
+from frictionjoint.structured_files import read_toml
 
 # one for all joints, one per joint name, a file of either, a preset's name, or "mjcf"
 GivenController = Controller | Mapping[str, Controller] | str | Path
@@ -76,15 +76,8 @@ def _by_joint(path: str | Path) -> dict[str, Controller]:
 
 def _content(path: str | Path) -> dict[str, Any]:
     expect(path, (str, Path), "controller", "give the path of its TOML file, or a preset's name")
-    try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        listed = ", ".join((*PRESETS, IN_MJCF))
-        raise ParameterError(
-            f"{path}: cannot be read: {error.strerror}; give a TOML file, or one of {listed}"
-        ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: not TOML: {' '.join(str(error).split())}") from None
+    listed = ", ".join((*PRESETS, IN_MJCF))
+    return read_toml(Path(path), f"; give a TOML file, or one of {listed}")
 
 
 def _made(where: str, content: Mapping[str, Any]) -> Controller:

@@ -6,9 +6,9 @@ import mujoco
 
 from frictionjoint.control.controller import Controller
 from frictionjoint.errors import ParameterError
+from frictionjoint.model_joints import actuators_of
 
 IN_MJCF = "mjcf"
-_ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
 
 
 def controller_in(models: Sequence[mujoco.MjModel], joint: str) -> Controller:
@@ -30,11 +30,7 @@ def controller_in(models: Sequence[mujoco.MjModel], joint: str) -> Controller:
 
 def _of(model: mujoco.MjModel, joint: str) -> Controller:
     number = model.joint(joint).id
-    own = [
-        i
-        for i in range(len(model.actuator_group))  # actuators without control do not count in nu
-        if model.actuator_trntype[i] in _ON_A_JOINT and model.actuator_trnid[i, 0] == number
-    ]
+    own = actuators_of(model, joint)
     if len(own) != 1:
         many = f"{len(own)} actuators" if own else "no actuator"
         raise ParameterError(f"the MJCF has {many} on joint {joint!r}: give the controller's file")

@@ -16,13 +16,13 @@ from frictionjoint.errors import ModelError, few
 from frictionjoint.identify.held import Pose, joint_label, lock, take_pose
 from frictionjoint.identify.held import resolve as resolve_poses
 from frictionjoint.model_files import ONE_DOF, compile_model
+from frictionjoint.model_joints import actuators_of, count_of_actuators
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.native_friction import native_friction
 
-_ON_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
 # a motor constant at which a dcmotor delivers practically no torque; MuJoCo 3 rejects 0
 _NO_CONSTANT = 1e-6
 # index of the motor constant in gainprm of a dcmotor
@@ -73,7 +73,7 @@ class EvaluatedModel:
     @property
     def acts(self) -> bool:
         """Whether any actuator still acts."""
-        return count_of(self.model) > 0
+        return count_of_actuators(self.model) > 0
 
     @property
     def remembers(self) -> bool:
@@ -108,7 +108,7 @@ class EvaluatedModel:
 
     def _silence(self, used: set[int]) -> None:
         """Disable the torque of actuators whose drive is not in the logs."""
-        for i in set(range(count_of(self.model))) - used:
+        for i in set(range(count_of_actuators(self.model))) - used:
             if _is_dcmotor(self.model, i):
                 self.model.actuator_gainprm[i, _CONSTANT] = _NO_CONSTANT
             else:
@@ -120,11 +120,6 @@ class EvaluatedModel:
         j = self.model.joint(joint).id
         low, high = self.model.jnt_range[j] if self.model.jnt_limited[j] else (-np.inf, np.inf)
         return float(low), float(high)
-
-
-def is_slide(model: mujoco.MjModel, joint: str) -> bool:
-    """Whether a joint is a slide."""
-    return bool(model.joint(joint).type[0] == int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
 def require_joint(model: mujoco.MjModel, joint: str) -> int:
@@ -142,24 +137,9 @@ def require_joint(model: mujoco.MjModel, joint: str) -> int:
     return j
 
 
-def count_of(model: mujoco.MjModel) -> int:
-    """Number of actuators, including a `dcmotor` without input, which has no control."""
-    return len(model.actuator_group)
-
-
 def _control_of(model: mujoco.MjModel, i: int) -> int:
     """Index of an actuator's first control; before MuJoCo 3.12 each actuator has one."""
     return int(model.actuator_ctrladr[i]) if hasattr(model, "actuator_ctrladr") else i
-
-
-def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
-    """Actuators that act on a joint directly."""
-    number = model.joint(joint).id
-    return [
-        i
-        for i in range(count_of(model))
-        if model.actuator_trntype[i] in _ON_A_JOINT and model.actuator_trnid[i, 0] == number
-    ]
 
 
 def friction_words(model: mujoco.MjModel, joint: str) -> str:

@@ -14,7 +14,7 @@ from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.control.mjcf_servos import controller_in
 from frictionjoint.control.reconstruct import measures_drive, with_drive
 from frictionjoint.errors import LogError, NoMotionError, ParameterError, few
-from frictionjoint.evaluation.model import EvaluatedModel, friction_words, is_slide, require_joint
+from frictionjoint.evaluation.model import EvaluatedModel, friction_words, require_joint
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.simulated import closed_loop, replay
 from frictionjoint.evaluation.torque import torque_along
@@ -24,6 +24,7 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import log_files, read_log, require_logs
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
+from frictionjoint.model_joints import is_slide
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.replay.windows import WINDOW_S
 

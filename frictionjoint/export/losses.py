@@ -19,6 +19,7 @@ from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.errors import ModelError
 from frictionjoint.export.motion import Motion
 from frictionjoint.model_files import ONE_DOF
+from frictionjoint.model_joints import is_slide, mass_at_start
 from frictionjoint.simulate.attach import attach
 
 # its steps are never implicit: torque is wanted here and now, not at a step's end
@@ -98,13 +99,12 @@ def losses(
                 f"joint {joint!r}: the exported model diverges at a time step of "
                 f"{exported.opt.timestep:g} s, take a smaller one"
             )
-        slide = ours.jnt_type[ours.joint(joint).id] == mujoco.mjtJoint.mjJNT_SLIDE
         sliding = motion.from_reversal > presliding[joint]
         found.append(
             Loss(
                 joint=joint,
                 motion=motion.name,
-                unit="N" if slide else "N m",
+                unit="N" if is_slide(ours, joint) else "N m",
                 torque=root_mean_square(here),
                 torque_lost=root_mean_square(there - here),
                 sliding_lost=root_mean_square((there - here)[sliding]) if sliding.any() else None,
@@ -206,15 +206,6 @@ def _loop(
             mujoco.mj_step(model, data)
     model.opt.timestep = before
     return np.interp(motion.time, time, found)
-
-
-def mass_at_start(model: mujoco.MjModel) -> Array:
-    """Mass matrix at qpos0, shape (nv, nv)."""
-    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
-    mujoco.mj_forward(model, data)
-    for row, unit in zip(mass, np.eye(model.nv), strict=True):
-        mujoco.mj_mulM(model, data, row, unit)
-    return mass
 
 
 def _gains(mass: Array, own: int, stiffness: float, step: float) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import ModelError
 from frictionjoint.export import c, scripts
-from frictionjoint.export.losses import Loss, losses, mass_at_start
+from frictionjoint.export.losses import Loss, losses
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
@@ -30,6 +30,7 @@ from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.presliding import presliding_distance
+from frictionjoint.model_joints import is_slide, mass_at_start
 from frictionjoint.simulate.carrier import install, load_model, read_friction
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import wave_losses
@@ -176,7 +177,7 @@ def _motions(
     for name, carried in task.friction.items():
         joint = model.joint(name).id
         start = float(model.qpos0[model.jnt_qposadr[joint]])
-        unit = "m" if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE else "rad"
+        unit = "m" if is_slide(model, name) else "rad"
         found[name] = stated_motion(carried.parameters, start, speeds, unit)
     return found
 

@@ -15,6 +15,7 @@ from types import MappingProxyType
 from typing import Any
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured.arrays import one_line
 
 
 @dataclass(frozen=True)
@@ -92,9 +93,8 @@ def _fetched(data: DataSet) -> Path:
         try:
             shelf.fetch(file)
         except (OSError, ValueError) as error:  # requests' errors are OSErrors
-            reason = " ".join(str(error).split())[:160]
             raise LogError(
-                f"{data.name}: {file} could not be fetched from {data.source}: {reason}: check the "
-                "network, or set FRICTIONJOINT_DATA to a local folder"
+                f"{data.name}: {file} could not be fetched from {data.source}: {one_line(error)}: "
+                "check the network, or set FRICTIONJOINT_DATA to a local folder"
             ) from None
     return folder

@@ -18,7 +18,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from frictionjoint.effects.back_emf import EFFECT as BACK_EMF
 from frictionjoint.effects.load_dependent import COULOMB, FORMS, STRIBECK
@@ -27,6 +26,7 @@ from frictionjoint.export.sliding import levels
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameter_checks import check_number
 from frictionjoint.rivals import StaticParameters
+from frictionjoint.structured_files import read_json
 
 _PLAIN = ("friction_base", "friction_viscous")
 _FALLING = ("friction_stribeck", "dtheta_stribeck", "alpha")
@@ -84,12 +84,7 @@ def read_bam(path: Path) -> BamParameters:
     Raises:
         ParameterError: unreadable, no JSON, or not what BAM writes.
     """
-    try:
-        content: Any = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from None
-    except ValueError as error:
-        raise ParameterError(f"{path}: not JSON: {error}") from None
+    content = read_json(path, "give the parameter file that BAM writes")
     if not isinstance(content, dict) or not {"model", "actuator"} <= set(content):
         raise ParameterError(f"{path}: no parameter file of BAM: model and actuator are missing")
     model, actuator = (str(content.pop(name)) for name in ("model", "actuator"))

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from frictionjoint.errors import ParameterError
-from frictionjoint.files import read_json
+from frictionjoint.structured_files import read_json
 
 # what belongs to a robot, not to one of its joints
 _ROBOT = ("schema", "logs", "made")

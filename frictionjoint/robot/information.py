@@ -15,6 +15,7 @@ from scipy.linalg import qr
 from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import lengths, pseudo_inverse, without
+from frictionjoint.model_joints import mass_at_start
 from frictionjoint.robot.causes.catalogue import body_label, rigid_links
 from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.inertia import NAMES
@@ -88,14 +89,10 @@ def parameters_of(
             Parameter(body_label(model, b), name, unit)
             for name, unit in zip(NAMES, sizes, strict=True)
         ]
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    mass_of_joint = np.diag(mass_at_start(model))
     for name in joints:
         dof = int(model.joint(name).dofadr[0])
-        unit, column = np.zeros(model.nv), np.zeros(model.nv)
-        unit[dof] = 1.0
-        mujoco.mj_mulM(model, data, column, unit)
-        found.append(Parameter(name, "rotor inertia", float(column[dof])))
+        found.append(Parameter(name, "rotor inertia", float(mass_of_joint[dof])))
     return tuple(found)
 
 

@@ -322,7 +322,7 @@ def load_model(path: str | Path) -> mujoco.MjModel:
             model = mujoco.MjModel.from_xml_path(str(path))
             carried = resolve(model)
         except ValueError as error:
-            raise ModelError(f"{path}: {' '.join(str(error).split())}") from None
+            raise ModelError(f"{path}: {error}") from None
         if not carried:
             raise ModelError(f"{path} has no friction: add it with `frictionjoint install`")
     return model

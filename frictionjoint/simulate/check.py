@@ -9,6 +9,7 @@ from frictionjoint.effects import heating, motor_temperature, temperature_depend
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
+from frictionjoint.model_joints import is_slide
 from frictionjoint.simulate.block import HEAD
 from frictionjoint.simulate.carrier import read_friction, resolve
 from frictionjoint.simulate.idle_warning import callback_is_off
@@ -36,8 +37,7 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
     rows = []
     for name, carried in carried_by.items():
         j = model.joint(name).id
-        slide = model.jnt_type[j] == mujoco.mjtJoint.mjJNT_SLIDE
-        unit = "N/m" if slide else "N m/rad"
+        unit = "N/m" if is_slide(model, name) else "N m/rad"
         # of one degree of freedom MuJoCo keeps the inverse inertia at qpos0
         inverse = float(model.dof_invweight0[int(model.jnt_dofadr[j])])
         stiffness, sigma1 = presliding(model.numeric_data, found[name] + HEAD)

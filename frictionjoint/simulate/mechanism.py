@@ -32,6 +32,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.joint_elasticity import EFFECT as ELASTICITY
 from frictionjoint.errors import ModelError
+from frictionjoint.model_joints import mass_at_start
 
 DEFLECTION, TENDON = "_deflection", "_link"
 # of the joint's inertia: a rotor has so much at least, as a link behind a gap has, and so much at
@@ -96,7 +97,7 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
     j = model.joint(name).id
     dof, step = int(model.jnt_dofadr[j]), float(spec.option.timestep)
     armature = float(model.dof_armature[dof])
-    link = _inertia(model, dof) - armature
+    link = float(mass_at_start(model)[dof, dof]) - armature
     spring = _spring(name, effects, link, link + armature, step)
     joint = spec.joint(name)
     made = joint.parent.add_joint(
@@ -178,15 +179,6 @@ def deflection(model: mujoco.MjModel, name: str) -> int:
     """Id of the joint behind an elastic joint or one with backlash; -1 for another."""
     found: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name + DEFLECTION)
     return found
-
-
-def _inertia(model: mujoco.MjModel, dof: int) -> float:
-    """Inertia of a joint at qpos0: its armature and all behind it, kg m^2 (kg)."""
-    data, unit, column = mujoco.MjData(model), np.zeros(model.nv), np.zeros(model.nv)
-    mujoco.mj_forward(model, data)
-    unit[dof] = 1.0
-    mujoco.mj_mulM(model, data, column, unit)
-    return float(column[dof])
 
 
 def _spring(

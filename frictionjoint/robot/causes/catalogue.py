@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.held import SLIDE
+from frictionjoint.model_joints import is_slide
 from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia, Form
 from frictionjoint.robot.causes.cause import Cause
@@ -111,11 +111,6 @@ def _neighbours(model: mujoco.MjModel, joints: Sequence[str]) -> list[tuple[str,
         if int(model.joint(a).bodyid[0]) in parents:
             found.append((a, b))
     return found
-
-
-def is_slide(model: mujoco.MjModel, joint: str) -> bool:
-    """Whether a joint is a slide."""
-    return int(model.joint(joint).type[0]) == SLIDE
 
 
 def body_label(model: mujoco.MjModel, body: int) -> str:
