@@ -18,7 +18,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.files import toml_document
-from frictionjoint.measured import JointLog
+from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
 from frictionjoint.recordings.drift import judged
 from frictionjoint.recordings.estimate import Known, estimate

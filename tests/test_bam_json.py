@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured import read_log
+from frictionjoint.measured.readers import read_log
 
 COUNT = 2 * np.pi / 4096
 

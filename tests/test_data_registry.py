@@ -7,7 +7,8 @@ import pooch
 import pytest
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured import get_data, list_data, read_log
+from frictionjoint.measured.readers import read_log
+from frictionjoint.measured.registry import get_data, list_data
 
 
 @pytest.fixture

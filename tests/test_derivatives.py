@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from frictionjoint.measured import JointLog, differentiate
-from frictionjoint.measured.derivatives import motion_band, uniform_motion
+from frictionjoint.measured.derivatives import differentiate, motion_band, uniform_motion
+from frictionjoint.measured.log import JointLog
 
 
 def sine(n: int = 6000, dt: float = 0.001, jitter: float = 0.0, noise: float = 0.0) -> JointLog:

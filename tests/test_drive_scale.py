@@ -11,7 +11,7 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_parameters
-from frictionjoint.measured import JointLog
+from frictionjoint.measured.log import JointLog
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.page import render
 from tests.command_line import run

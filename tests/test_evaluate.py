@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import frictionjoint as fj
 from frictionjoint.errors import FrictionJointError
-from frictionjoint.measured import JointLog
+from frictionjoint.measured.log import JointLog
 
 STEP, EVERY, SECONDS = 5e-4, 4, 8.0
 ARM = """<mujoco><option timestep="0.0005" integrator="implicitfast"/><worldbody><body>

@@ -17,8 +17,9 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.measured import JointLog, read_log
+from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.long_logs import bounded
+from frictionjoint.measured.readers import read_log
 from frictionjoint.simulate.stick_slip import kuka_model
 from tests import leg
 

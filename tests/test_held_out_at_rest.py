@@ -7,7 +7,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.errors import LogError
-from frictionjoint.measured import JointLog
+from frictionjoint.measured.log import JointLog
 
 N, DT, STIFFNESS, LEVEL = 3000, 4e-3, 100.0, 0.5
 JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>

@@ -10,8 +10,7 @@ from test_readers import lerobot_set
 
 from frictionjoint.cli.logs import LogOptions, log_paths
 from frictionjoint.errors import LogError
-from frictionjoint.measured import read_log
-from frictionjoint.measured.readers import joints_with_drive, log_files
+from frictionjoint.measured.readers import joints_with_drive, log_files, read_log
 from frictionjoint.measured.several_files import read_joined
 from frictionjoint.model_files import compile_model, read_spec
 

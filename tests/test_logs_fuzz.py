@@ -14,7 +14,8 @@ from scipy.io import savemat
 from torch_file import torch_file
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured import JointLog, read_log
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.readers import read_log
 
 # more inputs on demand: FRICTIONJOINT_FUZZ=20000 pytest tests/test_logs_fuzz.py
 EXAMPLES = int(os.environ.get("FRICTIONJOINT_FUZZ", "120"))

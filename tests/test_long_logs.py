@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionjoint.measured import JointLog
+from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.long_logs import MOST_ROWS, LongLogWarning, bounded
 
 

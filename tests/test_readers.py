@@ -12,8 +12,7 @@ from scipy.io import savemat
 from torch_file import Plain, torch_file
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured import read_log
-from frictionjoint.measured.readers import joints_with_drive
+from frictionjoint.measured.readers import joints_with_drive, read_log
 
 T = 0.004 * np.arange(300)
 TABLE = {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured import read_log
+from frictionjoint.measured.readers import read_log
 
 
 def servo_duty(path: Path, skew: float = 0.0) -> tuple[np.ndarray, np.ndarray]:

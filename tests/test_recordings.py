@@ -16,7 +16,7 @@ from frictionjoint import close_loop
 from frictionjoint.control.controller import Controller
 from frictionjoint.errors import LogError
 from frictionjoint.files import toml_document
-from frictionjoint.measured import JointLog
+from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import between
 from frictionjoint.recordings.drift import drift, known_of
 from frictionjoint.recordings.estimate import Known, estimate

@@ -17,7 +17,7 @@ from frictionjoint.diagnose.verdict import verdict
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
-from frictionjoint.measured import JointLog
+from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
 from frictionjoint.replay.free_runs import Replay, replay, replay_joints
 from frictionjoint.report.joint_report import Rms

@@ -20,7 +20,8 @@ import frictionjoint as fj
 from frictionjoint.cli import main
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.design import solve
-from frictionjoint.measured import JointLog, read_log
+from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.readers import read_log
 
 J, MGL, FC, SIGMA2 = 0.5, 6.0, 1.5, 0.4
 N, DT = 6000, 2e-3

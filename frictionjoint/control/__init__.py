@@ -3,7 +3,7 @@
 ``controller``   gains, limits, delays
 ``controller_file``  its TOML file, with differences per joint
 ``kernel``       the control law of one tick
-``block``        the numbers of a controller for one log
+``kernel_numbers``  the numbers of a controller for one log
 ``reconstruct``  the drive of a log that contains only target and position
 ``presets``      controllers of common servos and legs, each with its source
 """

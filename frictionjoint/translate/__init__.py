@@ -7,7 +7,7 @@
 ``c_functions``    C text of a function and of all functions that it calls
 ``c_math``         mathematical functions from exp, log and pow alone, for controllers
 ``warp``           the same functions for Warp
-``unit``           one C file with all kernels of the package, and the signature of each
+``c_file``         one C file with all kernels of the package, and the signature of each
 ``compiler``       a C compiler of this machine, or the one in ``ziglang``
 ``build``          builds the shared library with the package, and again after a kernel has changed
 """
