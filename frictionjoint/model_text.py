@@ -152,11 +152,7 @@ def _set(asset: Any, key: str | tuple[str, int], value: str) -> None:
 
 
 def _found(name: str, place: str, folders: list[Path]) -> str:
-    """Absolute path of an asset file, by MuJoCo's rules in each of the folders.
-
-    Raises:
-        ModelError: it is nowhere.
-    """
+    """Absolute path of an asset file, by MuJoCo's rules in each of the folders, or ModelError."""
     for folder in folders:
         # the bare name: an MJCF may ask for paths to be stripped
         for candidate in (folder / place / name, folder / place / Path(name).name):

@@ -33,8 +33,7 @@ def one_thread(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 @functools.cache
 def _libraries() -> ThreadpoolController:
-    """BLAS libraries of numpy and scipy, cached, because finding them takes as long as a small
-    fit."""
+    """BLAS libraries of numpy and scipy, cached: to find them takes as long as a small fit."""
     return ThreadpoolController()
 
 

@@ -133,10 +133,7 @@ def _one_line(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """Warnings as one line without source locations, without repetitions.
-
-    A model is read several times, so the same warning can occur more than once.
-    """
+    """Warnings as one line each, once: a model is read several times."""
     text = str(message)
     if text not in _warned:
         _warned.add(text)

@@ -109,9 +109,7 @@ class Controller:
             self._check_unknown_kp_alone()
 
     def _check_unknown_kp_alone(self) -> None:
-        """Reject terms that would be added to an output relative to kp, unless they are relative
-        too.
-        """
+        """Reject terms that are not relative to kp where the output is."""
         for name in ("kd", "ki", "feed_forward"):
             value = getattr(self, name)
             if value not in (0.0, UNKNOWN):

@@ -98,9 +98,7 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
 
 
 def _without_limits(model: mujoco.MjModel, off: bool) -> None:
-    """Disable joint limits or enable them; the torque of a limit during a measured motion is
-    unknown.
-    """
+    """Disable joint limits, whose torque in a measured motion is unknown, or enable them."""
     bit = int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
     model.opt.disableflags = model.opt.disableflags | bit if off else model.opt.disableflags & ~bit
 

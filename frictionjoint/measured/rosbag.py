@@ -207,8 +207,7 @@ def _with_target(
     commands: list[tuple[float, ...]],
     start: int,
 ) -> Array:
-    """Rows of a joint, shape (n, 5): a command holds until the next one; before the first there
-    is none."""
+    """Rows of a joint, (n, 5): a command holds until the next; before the first there is none."""
     found = np.full((len(samples), 5), np.nan)
     found[:, :4] = [((int(t) - start) * 1e-9, *rest) for t, *rest in samples]
     if not commands:
@@ -229,11 +228,7 @@ def _with_target(
 def _messages(
     path: Path, topic: str | None, kinds: tuple[str, ...] | None, other_than: str | None = None
 ) -> Iterator[tuple[Any, int]]:
-    """Messages of one topic with their recording times, ns.
-
-    Args:
-        kinds: types of the messages. other_than: a topic with another purpose.
-    """
+    """Messages of one topic, but not `other_than`, with their recording times, ns."""
     try:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore

@@ -129,10 +129,7 @@ def _is_units_line(cells: list[str]) -> bool:
 
 
 def _header_line(lines: list[str], first: int) -> int:
-    """Index of the first line that names a column for each cell of the samples below it.
-
-    If there is no such line, the first line is the header, and the samples are reported as wrong.
-    """
+    """Index of the first line that names a column for each cell below it; else `first`."""
     wider = []
     for i in range(first, len(lines)):
         separator = _separator(lines[i])
@@ -169,11 +166,7 @@ def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
 
 
 def _zoned(names: list[str], separator: str, some: str) -> dict[str, bool]:
-    """Columns that begin with a date and a time, and whether each states a time zone.
-
-    Args:
-        some: the first lines that may be samples.
-    """
+    """Columns that begin with a date in the lines `some`, and whether each states a time zone."""
     sample = _cells(next(filter(None, re.split(r"[\r\n]", some)), ""), separator)
     cells = zip(names, map(MOMENT.fullmatch, sample), strict=False)
     return {name: bool(cell["zone"]) for name, cell in cells if cell}

@@ -99,10 +99,7 @@ def _batches(path: Path, layout: Layout) -> Iterator[tuple[int, list[str]]]:
 
 
 def _only_numbers(lines: list[str], layout: Layout) -> Array | None:
-    """Samples with a number in every cell, shape (samples, columns); None where there are others.
-
-    Several times faster than cell by cell.
-    """
+    """Samples, (samples, columns), if all are numbers: several times faster than cell by cell."""
     if layout.point == "," or layout.zoned:
         return None
     samples = [line for line in lines if line.rstrip("\r\n")]

@@ -170,10 +170,7 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
 
 
 def _travel_leapt(time: Array, position: Array) -> float:
-    """Fraction of all travel made in single samples with almost no motion before and after.
-
-    A gap in time is no jump.
-    """
+    """Fraction of travel in single samples with almost no motion around them; gaps do not count."""
     tick = np.diff(time)
     step = np.abs(np.diff(position)) * (tick <= LARGEST_GAP * float(np.median(tick)))
     moved = step[step > 0.0]
@@ -202,8 +199,7 @@ def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:
 
 
 def _check_fractions(source: str, name: str, x: Array) -> None:
-    """Raise if positions are whole numbers: counts or degrees, because no encoder has steps of a
-    radian."""
+    """Raise if positions are whole numbers, counts or degrees: no encoder steps by a radian."""
     if name.rpartition(".")[2] not in _SPEED_OF or np.any(x != np.round(x)):
         return
     n = len(np.unique(x))
@@ -216,8 +212,7 @@ def _check_fractions(source: str, name: str, x: Array) -> None:
 
 
 def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
-    """Compare with a measured velocity, if there is one: it reveals a wrong unit of position or
-    time."""
+    """Compare with a measured velocity: it reveals a wrong unit of position or time."""
     prefix, dot, unit = name.rpartition(".")
     speed_name = f"{prefix}{dot}{_SPEED_OF[unit]}"
     if speed_name not in columns:

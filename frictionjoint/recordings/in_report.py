@@ -76,11 +76,7 @@ def with_recordings(
 
 
 def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
-    """The friction of a report.
-
-    Raises:
-        ParameterError: it has none in N m, or corrects the drive that recordings are compared by.
-    """
+    """The friction of a report; ParameterError without one in N m, or with a corrected drive."""
     posterior = report.posterior
     if posterior is None:
         raise ParameterError(

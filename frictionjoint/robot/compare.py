@@ -66,9 +66,7 @@ def nearer(deviation: float, other: float) -> bool:
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:
-    """rms of the torque by which a joint improves, relative to its friction, for the joint with the
-    largest.
-    """
+    """Largest rms of the torque by which a joint improves, relative to its friction."""
     found = []
     for k, joint in enumerate(stack.joints):
         less = max(0.0, float(before[k].sum() - after[k].sum())) / joint.samples

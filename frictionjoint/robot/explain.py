@@ -203,8 +203,7 @@ def _torque_increase(before: Fitted, after: Fitted) -> Interval:
 
 
 def _replays(fitted: Fitted, task: Task) -> tuple[Runs | None, LoopErrors | None]:
-    """Free runs with the user's model, as in the joint's own report, and closed loops if these are
-    from the target; None without a torque scale."""
+    """Free runs with the user's model, closed loops from a target; None without torque scale."""
     if fitted.fit.in_drive_units:
         return None, None
     body = task.user.body(task.joint, task.fixed)

@@ -95,9 +95,7 @@ class Regressor:
 
 
 class _Motion(NamedTuple):
-    """Motion of a body in its own frame, shape (3, n): acceleration of its origin minus gravity,
-    angular velocity and acceleration.
-    """
+    """Acceleration of a body less gravity, angular velocity and its rate, in its frame, (3, n)."""
 
     a: Array
     w: Array

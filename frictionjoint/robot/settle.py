@@ -82,10 +82,7 @@ def _fitted_again(
     how: Callable[[FittedJoint], FittedJoint],
     each: Each[FittedJoint, FittedJoint],
 ) -> tuple[FittedJoint, ...]:
-    """Joints with their laws fitted again.
-
-    A result from another process has no cached columns along its logs.
-    """
+    """Joints fitted again, without cached columns: a result from another process has none."""
     found = each(how, joints)
     return tuple(replace(a, alongs=b.alongs) for a, b in zip(found, joints, strict=True))
 

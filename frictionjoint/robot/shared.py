@@ -157,11 +157,7 @@ def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Cho
 
 @dataclass(frozen=True)
 class _Now:
-    """State of the search: causes fitted with the laws, and the evidence of each.
-
-    Attributes:
-        single_effects: labels of effects of single joints that were fitted with them.
-    """
+    """Causes fitted with the laws and the `single_effects`, and the evidence of each."""
 
     settled: Settled
     choices: tuple[Choice, ...]
@@ -178,11 +174,7 @@ class _Now:
 
 @dataclass(frozen=True)
 class _Fits:
-    """Changes of the state, each fitted.
-
-    Attributes:
-        each: a `map`. single_effects: labels of effects of single joints that are fitted too.
-    """
+    """Changes of the state, each fitted, by a map `each`, with the `single_effects`."""
 
     each: Each[FittedJoint, FittedJoint]
     single_effects: frozenset[str] = frozenset()
@@ -213,10 +205,7 @@ class _Fits:
         return None
 
     def _with(self, now: _Now, new: Sequence[Choice]) -> _Now:
-        """The state with accepted causes added.
-
-        A richer change of the same body or joint replaces the simpler one.
-        """
+        """The state with accepted causes; a richer change of a body or joint replaces a simpler."""
         terms = tuple(c.candidate.common for c in new if c.candidate.common)
         if terms:
             now = self.with_common(now, terms)
@@ -265,8 +254,7 @@ class _Fits:
         return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + CLEARLY
 
     def _left(self, after: _Now, before: _Now) -> Array:
-        """Ratio of the sums of squares after and before, by joint, (J,), with effects of single
-        joints."""
+        """Ratio of the sums of squares after and before, with effects of single joints, (J,)."""
         found = []
         for now in (after, before):
             seen = screened(now.joints, now.clock, now.settled.found, self.single_effects)

@@ -55,12 +55,7 @@ def restated(
 def _as_good(
     seen: Screened, own: Cause, wanted: frozenset[str], left: Array
 ) -> Iterator[Candidate]:
-    """Candidates with a residual as small as that of a cause in the model.
-
-    Args:
-        seen: without the cause, which is among the candidates. wanted: labels of those to compare.
-        left: sums of squares of the model, (J, B).
-    """
+    """Those `wanted` whose residual is as small as `left`, the model's with its `own` cause."""
     open_ones = [c for c in seen.candidates if c.label in wanted]
     itself = next(c for c in seen.candidates if c.cause == own)
     stand = [c for c in seen.candidates if c is not itself and c.label not in wanted]

@@ -211,8 +211,7 @@ def _spring(
 
 
 def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
-    """Reduce the inertia of a body about a hinge's axis, kg m^2; False if no such body can
-    exist."""
+    """Reduce the inertia of a body about a hinge by kg m^2; False if no such body can exist."""
     if not _own_inertia(spec, model, j):
         return False
     b = int(model.jnt_bodyid[j])

@@ -202,8 +202,7 @@ def _warm(given: _Given, X: Vector, k: int) -> None:
 
 @in_line
 def _load_torque(load: Array, body: Array, i: int, q: float, c: float, s: float) -> float:
-    """Torque of the rigid body and of the MJCF's own spring at step i; c, s: cosine and sine of
-    q."""
+    """Torque of the rigid body and of the MJCF's spring at step i; c, s: cosine, sine of q."""
     return float(load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2]))
 
 
@@ -234,11 +233,7 @@ def _effects(
 
 @compiled
 def _hold(given: _Given, X: Vector, q: float) -> bool:
-    """Deflect the friction of a joint at rest until it balances drive and load.
-
-    Returns:
-        whether it can.
-    """
+    """Deflect the friction of a joint at rest to balance drive and load; whether it can."""
     asked = 0.0
     if given.on[0]:
         S = room(STATE)

@@ -152,11 +152,7 @@ class _Function(Expressions):
     # statements
 
     def _block(self, body: list[ast.stmt], outside: set[str]) -> list[str]:
-        """Lines of a block.
-
-        Args:
-            outside: names that are used after the block.
-        """
+        """Lines of a block, with the names used after it in `outside`."""
         lines: list[str] = []
         for i, node in enumerate(body):
             after = names_in(ast.Module(body[i + 1 :], [])) | outside

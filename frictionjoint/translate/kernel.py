@@ -247,9 +247,7 @@ class Kernel:
         return name
 
     def _fold(self, body: list[ast.stmt], known: Known, left_out: frozenset[str]) -> list[ast.stmt]:
-        """A body without branches that the known values exclude, and without unreachable
-        statements.
-        """
+        """A body without the branches that known values exclude, and what cannot be reached."""
         kept: list[ast.stmt] = []
         for node in body:
             if left_out and ast.unparse(node) in left_out:

@@ -119,7 +119,6 @@ def body_label(model: mujoco.MjModel, body: int) -> str:
 
 
 def _reach(model: mujoco.MjModel, body: int) -> float:
-    """Size of a body from its inertia: the square root of twice its squared radius of gyration,
-    m."""
+    """Size of a body, m: the square root of twice its squared radius of gyration."""
     gyration = float(model.body_inertia[body].sum()) / float(model.body_mass[body])
     return float(np.sqrt(gyration)) + float(np.linalg.norm(model.body_ipos[body]))
