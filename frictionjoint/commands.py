@@ -3,9 +3,10 @@
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
-from typing import TYPE_CHECKING, Literal, overload
+from typing import TYPE_CHECKING, overload
 
 from frictionjoint.errors import ParameterError
+from frictionjoint.export.targets import FILES, Target
 from frictionjoint.law.names import LAWS
 from frictionjoint.measured.arguments import expect
 
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
     from frictionjoint.measured.log import JointLog
     from frictionjoint.report.joint_report import Report
     from frictionjoint.report.robot_report import RobotReport
-
-Target = Literal["native", "urdf", "c", "mjlab", "newton", "isaac"]
 
 
 def _silent(text: str) -> None:
@@ -162,7 +161,7 @@ def export(
 
     Args:
         model: MJCF with friction.
-        to: "c", "native", "urdf", "mjlab", "newton" or "isaac".
+        to: "c", "native", "mjx", "urdf", "mjlab", "newton" or "isaac".
         out: file to write, or a folder for it.
         speeds: lowest and highest, rad/s (m/s), over which plain friction is fitted.
         log: its motion is used instead of speeds, with `columns`, see `read_log`.
@@ -174,19 +173,18 @@ def export(
     Raises:
         FrictionJointError: no friction in the model, an existing file, or an unknown target.
     """
-    from frictionjoint.export.run import Target as KnownTarget
     from frictionjoint.export.run import export as run
     from frictionjoint.export.run import output_file
     from frictionjoint.report.write import write_files
 
-    if to not in {x.value for x in KnownTarget}:
-        raise ParameterError(f"to is {to!r}: give one of {', '.join(KnownTarget)}")
+    if to not in FILES:
+        raise ParameterError(f"to is {to!r}: give one of {', '.join(FILES)}")
     if speeds is not None and log is not None:
         raise ParameterError("speeds and log are given: give one of them")
-    file = output_file(Path(out), KnownTarget(to))
+    file = output_file(Path(out), to)
     if file.exists() and not force:
         raise ParameterError(f"{file} exists already: give another out, or force=True")
     where = None if log is None else Path(log)
-    done = run(Path(model), KnownTarget(to), file, speeds, where, columns, lugre, yielding, _silent)
+    done = run(Path(model), to, file, speeds, where, columns, lugre, yielding, _silent)
     write_files(file.parent, {file.name: done.text})
     return done

@@ -7,7 +7,8 @@ from typing import Any
 import mujoco
 
 import frictionjoint as fj
-from frictionjoint.export.run import Target, export
+from frictionjoint.export.run import export
+from frictionjoint.export.targets import Target
 
 
 def carrying(mjcf: str, law: fj.FrictionParameters, folder: Path) -> Path:

@@ -9,7 +9,7 @@ from exported import carrying
 
 import frictionjoint as fj
 from frictionjoint.export.mjx import fit_for_mjx
-from frictionjoint.export.run import Target, export
+from frictionjoint.export.run import export
 
 LAW = fj.FrictionParameters(
     **{"Fs_pos": 1.5, "Fs_neg": 1.5, "Fc_pos": 1.0, "Fc_neg": 1.0, "Vs_pos": 0.05, "Vs_neg": 0.05},
@@ -30,7 +30,7 @@ ARM = """<mujoco><option integrator="implicit" solver="PGS"><flag energy="enable
 
 def test_what_is_refused_is_left_out_and_named(tmp_path: Path) -> None:
     path = carrying(ARM, LAW, tmp_path)
-    done = export(path, Target.MJX, tmp_path / "mjx.xml")
+    done = export(path, "mjx", tmp_path / "mjx.xml")
     model = mujoco.MjModel.from_xml_string(done.text)
     assert [model.actuator(i).name for i in range(model.nu)] == ["kept"]
     assert [model.sensor(i).name for i in range(model.nsensor)] == ["kept"]
@@ -52,7 +52,7 @@ def test_what_is_refused_is_left_out_and_named(tmp_path: Path) -> None:
 
 def test_damping_is_one_number_and_coulomb_friction_is_there(tmp_path: Path) -> None:
     path = carrying(ARM, LAW, tmp_path)
-    model = mujoco.MjModel.from_xml_string(export(path, Target.MJX, tmp_path / "mjx.xml").text)
+    model = mujoco.MjModel.from_xml_string(export(path, "mjx", tmp_path / "mjx.xml").text)
     assert model.dof_frictionloss[0] > 0.5
     assert model.dof_damping[0] > 0.0
     np.testing.assert_array_equal(np.ravel(getattr(model, "dof_dampingpoly", 0.0)), 0.0)
@@ -64,7 +64,7 @@ def test_mjx_loads_it_and_agrees(tmp_path: Path) -> None:
     path = carrying(ARM, LAW, tmp_path)
     with pytest.raises(NotImplementedError):
         mjx.put_model(mujoco.MjModel.from_xml_path(str(path)))
-    model = mujoco.MjModel.from_xml_string(export(path, Target.MJX, tmp_path / "mjx.xml").text)
+    model = mujoco.MjModel.from_xml_string(export(path, "mjx", tmp_path / "mjx.xml").text)
     model.opt.iterations = 50
     data, loaded = mujoco.MjData(model), mjx.put_model(model)
     data.qvel[0] = 3.0

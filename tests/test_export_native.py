@@ -17,7 +17,8 @@ from frictionjoint.cli import app
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import FrictionJointError, LogError, ModelError
 from frictionjoint.export.motion import log_motions
-from frictionjoint.export.run import Target, export, output_file
+from frictionjoint.export.run import export, output_file
+from frictionjoint.export.targets import Target
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import StaticParameters
 from frictionjoint.simulate.carrier import install
@@ -78,7 +79,7 @@ def written(path: Path, target: Target, folder: Path, **more) -> tuple[str, Path
 
 
 def test_native_has_the_friction_of_steady_sliding(one_joint, tmp_path):
-    _, file = written(one_joint, Target.NATIVE, tmp_path / "out", speeds=(0.1, 2.0))
+    _, file = written(one_joint, "native", tmp_path / "out", speeds=(0.1, 2.0))
     model = mujoco.MjModel.from_xml_path(str(file))
     assert model.nuserdata == 3  # the user's own
     assert model.nnumeric == 0
@@ -102,8 +103,8 @@ def test_native_has_the_friction_of_steady_sliding(one_joint, tmp_path):
 
 
 def test_what_is_lost_is_named(one_joint, tmp_path):
-    native, _ = written(one_joint, Target.NATIVE, tmp_path / "a", speeds=(0.1, 2.0))
-    urdf, _ = written(one_joint, Target.URDF, tmp_path / "b", speeds=(0.1, 2.0))
+    native, _ = written(one_joint, "native", tmp_path / "a", speeds=(0.1, 2.0))
+    urdf, _ = written(one_joint, "urdf", tmp_path / "b", speeds=(0.1, 2.0))
     assert "cogging" in native.lost[0]
     assert "spring" not in native.lost[0]
     for word in ("a spring of 2", "a constant torque of", "rotor inertia 0.05"):
@@ -114,7 +115,7 @@ def test_what_is_lost_is_named(one_joint, tmp_path):
 
 def test_it_does_not_creep(tmp_path):
     path = arm(tmp_path, {"turn": LAW})
-    _, file = written(path, Target.NATIVE, tmp_path / "out")
+    _, file = written(path, "native", tmp_path / "out")
     model = mujoco.MjModel.from_xml_path(str(file))
     model.opt.gravity[:] = 0.0
     dof = model.joint("turn").dofadr[0]
@@ -135,7 +136,7 @@ def test_it_does_not_creep(tmp_path):
 def test_a_law_that_is_a_plain_joint_loses_nothing(tmp_path):
     static = StaticParameters.symmetric(Fs=1.0, Fc=1.0, Vs=0.1, sigma2=0.5, V0=1e-6)
     path = arm(tmp_path, {"turn": static})
-    done, _ = written(path, Target.NATIVE, tmp_path / "out", speeds=(0.1, 1.0))
+    done, _ = written(path, "native", tmp_path / "out", speeds=(0.1, 1.0))
     (loss,) = done.losses
     # all but the 26 of 10,000 samples that rest at a turning point, where a plain joint has any
     # torque: there they are at most two levels of 1 N m apart
@@ -143,20 +144,20 @@ def test_a_law_that_is_a_plain_joint_loses_nothing(tmp_path):
 
 
 def test_lugre_is_nearer_to_a_law_with_presliding(tmp_path):
-    plain, _ = written(kuka_model(), Target.NATIVE, tmp_path / "a")
-    lugre, file = written(kuka_model(), Target.NATIVE, tmp_path / "b", lugre=True)
+    plain, _ = written(kuka_model(), "native", tmp_path / "a")
+    lugre, file = written(kuka_model(), "native", tmp_path / "b", lugre=True)
     assert lugre.losses[0].torque_lost < 0.4 * plain.losses[0].torque_lost
     assert lugre.losses[0].apart < 0.3 * plain.losses[0].apart
     model = mujoco.MjModel.from_xml_path(str(file))
     assert model.nu == 1  # it takes no control
     assert model.actuator("joint1_friction").trnid[0] == model.joint("joint1").id
     with pytest.raises(ModelError, match="urdf has no LuGre"):
-        export(kuka_model(), Target.URDF, tmp_path / "x.urdf", lugre=True)
+        export(kuka_model(), "urdf", tmp_path / "x.urdf", lugre=True)
 
 
 def test_the_urdf_is_the_same_robot(tmp_path):
     path = arm(tmp_path, {"elbow": LAW, "rail": LAW})
-    _, file = written(path, Target.URDF, tmp_path / "out", speeds=(0.1, 2.0))
+    _, file = written(path, "urdf", tmp_path / "out", speeds=(0.1, 2.0))
     text = file.read_text()
     read = mujoco.MjModel.from_xml_string(text)
     own = mujoco.MjModel.from_xml_string(ARM.format(user=0))
@@ -208,7 +209,7 @@ def isaac_actuators(monkeypatch):
 def test_isaac_lab_gets_efforts_in_newton_metres_and_newtons(tmp_path, isaac_actuators):
     falls = StaticParameters.symmetric(Fs=2.0, Fc=1.2, Vs=0.02, delta=2.0, sigma2=0.7, V0=1e-3)
     path = arm(tmp_path, {"elbow": falls, "rail": falls})
-    _, file = written(path, Target.ISAAC, tmp_path / "out", speeds=(0.5, 3.0))
+    _, file = written(path, "isaac", tmp_path / "out", speeds=(0.5, 3.0))
     actuators = isaac_actuators(file)
     # per radian, and of a slide per metre, as its documentation has it; the joints' own added
     own = {"elbow": (0.0, 0.3), "rail": (0.2, 0.0)}
@@ -222,7 +223,7 @@ def test_isaac_lab_gets_efforts_in_newton_metres_and_newtons(tmp_path, isaac_act
 
 
 def test_newton_gets_its_own_words(one_joint, tmp_path):
-    _, file = written(one_joint, Target.NEWTON, tmp_path / "out", speeds=(0.1, 2.0))
+    _, file = written(one_joint, "newton", tmp_path / "out", speeds=(0.1, 2.0))
     module = runpy.run_path(str(file))
     builder = types.SimpleNamespace(
         joint_label=["arm/worldbody/upper/shoulder", "arm/x/lower/turn_elbow", "arm/x/elbow"],

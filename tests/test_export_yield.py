@@ -8,7 +8,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
-from frictionjoint.export.run import Target, export
+from frictionjoint.export.run import export
 from frictionjoint.export.yielding import YieldSprings, yield_springs
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.rivals import StaticParameters
@@ -62,18 +62,18 @@ def test_what_it_cannot_do_is_refused(tmp_path) -> None:
         yield_springs(static, 0.8)
     path = carrying(tmp_path, LAW)
     with pytest.raises(ModelError, match="--yield is for the target native"):
-        export(path, Target.URDF, tmp_path / "a.urdf", yielding=True)
+        export(path, "urdf", tmp_path / "a.urdf", yielding=True)
     if not hasattr(mujoco.MjModel, "tendon_springyield"):
         with pytest.raises(ModelError, match=r"need MuJoCo 4\.0"):
-            export(path, Target.NATIVE, tmp_path / "a.xml", yielding=True)
+            export(path, "native", tmp_path / "a.xml", yielding=True)
 
 
 @NEEDED
 def test_stock_mujoco_holds_without_drift_and_slides(tmp_path) -> None:
     """0.5 +- 0.4 N m for 20 s, where MuJoCo's LuGre creeps by 7e-4 rad per cycle."""
     path = carrying(tmp_path, LAW)
-    yields = export(path, Target.NATIVE, tmp_path / "a.xml", yielding=True)
-    today = export(path, Target.NATIVE, tmp_path / "b.xml")
+    yields = export(path, "native", tmp_path / "a.xml", yielding=True)
+    today = export(path, "native", tmp_path / "b.xml")
     assert yields.losses[0].torque_lost < 0.6 * today.losses[0].torque_lost
     assert yields.losses[0].apart < 0.3 * today.losses[0].apart
     assert not yields.lost

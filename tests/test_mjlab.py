@@ -14,7 +14,6 @@ import pytest
 from exported import carrying, module_of
 
 import frictionjoint as fj
-from frictionjoint.export.run import Target
 
 pytest.importorskip("mjlab", reason="mjlab is not installed")
 torch = pytest.importorskip("torch")
@@ -52,7 +51,7 @@ ARM = """<mujoco><compiler angle="radian"/><worldbody>
 def robot(tmp_path_factory):
     """What the export to mjlab defines, and the MJCF."""
     path = carrying(ARM, LAW, tmp_path_factory.mktemp("mjlab"))
-    return module_of(path, Target.MJLAB), path
+    return module_of(path, "mjlab"), path
 
 
 def nearness(env):

@@ -9,7 +9,7 @@ import pytest
 from exported import carrying, module_of
 
 import frictionjoint as fj
-from frictionjoint.export.run import Target, export
+from frictionjoint.export.run import export
 
 newton = pytest.importorskip("newton", reason="Newton is not installed")
 pytest.importorskip("mujoco_warp", reason="Newton's solver needs newton[sim]")
@@ -30,8 +30,8 @@ def exported(tmp_path_factory):
     """The robot without friction, what the export defines, and MuJoCo's own export."""
     folder = tmp_path_factory.mktemp("newton")
     carries = carrying(ARM, LAW, folder)
-    module = module_of(carries, Target.NEWTON, speeds=(0.5, 5.0))
-    native = export(carries, Target.NATIVE, folder / "native.xml", speeds=(0.5, 5.0)).text
+    module = module_of(carries, "newton", speeds=(0.5, 5.0))
+    native = export(carries, "native", folder / "native.xml", speeds=(0.5, 5.0)).text
     bare = folder / "bare.xml"
     bare.write_text(ARM)
     return bare, module, mujoco.MjModel.from_xml_string(native)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionjoint.export.run import Target
+from frictionjoint.export.targets import FILES
 from frictionjoint.motors.bam import BamParameters
 from frictionjoint.simulate.stick_slip import kuka_model
 from tests.command_line import Done, run
@@ -50,7 +50,7 @@ CASES = {
                                "f.toml"),
     "to-bam, its likeness": ("motors", "to-bam", "f.toml", "--like", "bam.json", "--out",
                              "bam.json"),
-    **{f"export to {to}": ("export", "own.xml", "--to", to, "--out", "own.xml") for to in Target},
+    **{f"export to {to}": ("export", "own.xml", "--to", to, "--out", "own.xml") for to in FILES},
 }  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -10,8 +10,7 @@ from frictionjoint.cli.logs import Columns, columns_of
 from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import progress, show_table
 from frictionjoint.errors import ParameterError
-
-_Target = Literal["native", "mjx", "urdf", "c", "mjlab", "newton", "isaac"]
+from frictionjoint.export.targets import Target
 
 
 def export(
@@ -19,7 +18,7 @@ def export(
         Path, typer.Argument(metavar="MODEL", help="MJCF that contains friction, see `install`.")
     ],
     to: Annotated[
-        _Target, typer.Option("--to", metavar="TARGET", help="One of the programs above.")
+        Target, typer.Option("--to", metavar="TARGET", help="One of the programs above.")
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="PATH", help="File to write, or a folder for it.")
@@ -67,20 +66,17 @@ def export(
 
     `frictionjoint export arm_friction.xml --to native --log motion.csv --out arm_native.xml`
     """
-    from frictionjoint.export.run import Target, output_file
     from frictionjoint.export.run import export as run
+    from frictionjoint.export.run import output_file
     from frictionjoint.report.write import write_files
 
     if log is not None and speeds is not None:
         raise ParameterError("--speeds and --log: give one of them")
-    target = Target(to)
-    file = output_file(out, target)
+    file = output_file(out, to)
     require_writable(file, [model, *([log] if log else [])], force)
     with progress() as say:
         say(f"reading {model.name}")
-        done = run(
-            model, target, file, _range(speeds), log, columns_of(column), lugre, yielding, say
-        )
+        done = run(model, to, file, _range(speeds), log, columns_of(column), lugre, yielding, say)
         write_files(file.parent, {file.name: done.text})
     if as_json:
         losses = [loss.to_dict() for loss in done.losses]

@@ -4,7 +4,6 @@ import os
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from pathlib import Path
 
 import mujoco
@@ -26,6 +25,7 @@ from frictionjoint.export.sliding import (
     speeds_above_stribeck,
     stribeck_velocity,
 )
+from frictionjoint.export.targets import FILES, Target
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
 from frictionjoint.joint_friction import JointFriction
@@ -35,23 +35,10 @@ from frictionjoint.simulate.carrier import install, load_model, read_friction
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.shaft_wave import wave_losses
 
-
-class Target(StrEnum):
-    """Target of an export."""
-
-    NATIVE = "native"
-    MJX = "mjx"
-    URDF = "urdf"
-    C = "c"
-    MJLAB = "mjlab"
-    NEWTON = "newton"
-    ISAAC = "isaac"
-
-
 # law and effects as they are
-_WHOLE = (Target.C, Target.MJLAB)
+_WHOLE = ("c", "mjlab")
 # a constant torque, a spring
-_SPRINGS = (Target.NATIVE, Target.MJX, Target.NEWTON)
+_SPRINGS = ("native", "mjx", "newton")
 # effects that are joints, springs and sensors of the model
 _MECHANICAL = frozenset(e.name for e in CATALOGUE if e.acts != "torque")
 
@@ -124,19 +111,19 @@ def export(
     friction = read_friction(model)
     waves = tuple(wave_losses(model))
     task = _Task(path, out, target, friction, lugre, yielding)
-    if yielding and (lugre or target is not Target.NATIVE):
+    if yielding and (lugre or target != "native"):
         raise ModelError("--yield is for the target native, without --lugre")
-    if lugre and target is not Target.NATIVE:
+    if lugre and target != "native":
         raise ModelError(f"{target} has no LuGre friction: leave out --lugre")
     if target in _WHOLE:
         done = _whole(task)
         return replace(done, lost=done.lost + waves)
     motions = _motions(task, speeds, log, columns or {})
     friction = {name: friction[name] for name in motions}
-    of_mjx = target is Target.MJX
+    of_mjx = target == "mjx"
     # coefficients of damping; MuJoCo's own is a polynomial
-    terms = 3 if target is Target.NATIVE else 1
-    fast = target is Target.ISAAC and speeds is None and log is None
+    terms = 3 if target == "native" else 1
+    fast = target == "isaac" and speeds is None and log is None
 
     def over(name: str) -> Array:
         # Isaac has the fall from rest to sliding in a number of its own
@@ -183,7 +170,7 @@ def _motions(
 
 
 def _whole(task: _Task) -> Exported:
-    if task.target is Target.C:
+    if task.target == "c":
         lost = tuple(c.lost_effects(task.friction))
         return Exported(c.header(task.friction, task.out.name), lost)
     model = load_model(task.path)
@@ -262,11 +249,11 @@ def _isaac(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco
 
 
 _PLAIN: dict[Target, Callable[[_Task, Mapping[str, PlainFriction]], tuple[str, mujoco.MjModel]]] = {
-    Target.NATIVE: _native,
-    Target.MJX: _mjx,
-    Target.URDF: _urdf,
-    Target.NEWTON: _newton,
-    Target.ISAAC: _isaac,
+    "native": _native,
+    "mjx": _mjx,
+    "urdf": _urdf,
+    "newton": _newton,
+    "isaac": _isaac,
 }
 
 
@@ -285,7 +272,7 @@ def _lost(
         elif not task.yielding and law.stiffness > 0.0:
             what.append("presliding with its memory")
         if not task.lugre and any(Fs > Fc for Fs, Fc, *_ in levels(law).values()):
-            isaac = task.target is Target.ISAAC
+            isaac = task.target == "isaac"
             what.append(
                 "the fall of friction between rest and sliding"
                 if isaac
@@ -295,7 +282,7 @@ def _lost(
             what.append(
                 f"presliding stiffness, {softened[name]:.2g} times softer for the time step"
             )
-        kept = _MECHANICAL if task.target in (Target.NATIVE, Target.MJX) else frozenset()
+        kept = _MECHANICAL if task.target in ("native", "mjx") else frozenset()
         what += [title(effect) for effect in p.lost if effect not in kept]
         if task.target not in _SPRINGS:
             if p.preload != 0.0:
@@ -303,7 +290,7 @@ def _lost(
             if p.stiffness != 0.0:
                 what.append(f"a spring of {p.stiffness:.4g}")
         armature = float(bare.dof_armature[bare.joint(name).dofadr[0]]) + p.armature
-        if task.target is Target.URDF and armature != 0.0:
+        if task.target == "urdf" and armature != 0.0:
             what.append(f"rotor inertia {armature:.4g}")
         if what:
             found.append(f"{name}: {', '.join(what)}")
@@ -316,17 +303,8 @@ def output_file(out: Path, target: Target) -> Path:
     Raises:
         ModelError: a folder's parent is a file.
     """
-    names = {
-        Target.NATIVE: "native.xml",
-        Target.MJX: "mjx.xml",
-        Target.URDF: "robot.urdf",
-        Target.C: "friction.h",
-        Target.MJLAB: "friction_mjlab.py",
-        Target.NEWTON: "friction_newton.py",
-        Target.ISAAC: "friction_isaac.py",
-    }
     if out.is_dir() or not out.suffix:
         if out.is_file():
             raise ModelError(f"{out} is a file without a suffix: name a folder or another file")
-        return out / names[target]
+        return out / FILES[target]
     return out
