@@ -14,15 +14,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 _PACKAGE = Path(__file__).parent
 FOLDER = _PACKAGE / "_native"
 LISTED = "kernels.json"
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(NamedTuple):
     """One argument of a kernel.
 
     Attributes:
@@ -37,8 +36,7 @@ class Parameter:
     fields: dict[str, str]
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """A kernel in the library: its symbol, result and parameters."""
 
     symbol: str

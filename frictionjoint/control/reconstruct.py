@@ -91,13 +91,23 @@ class AllCommands:
             np.concatenate([log.on for log in logs]),
         )
 
-    def mean_drive(self, blocks: Array, delays: Array) -> Array:
+    def mean_drive(
+        self, blocks: Array, delays: Array, off: Array | float = 0.0, faster: float = 0.0
+    ) -> Array:
         """See `Commands.mean_drive`, shape (n,).
 
         Args:
             blocks: of the controller of each log, shape (k, BLOCK). delays: s, shape (k,).
+            off: added to the positions, rad (m). faster: added to the velocities, rad/s (m/s).
         """
-        return self._mean_drive(blocks, delays)
+        target, position, velocity, supply, on = self._given
+        q, v = position + off, velocity + faster
+        drive = np.empty_like(self.time)
+        path = np.empty((4, 2 * int(np.diff(self.edges).max())))
+        fill_mean_drives(
+            blocks, delays, self.edges, self.time, target, q, v, supply, on, path, drive
+        )
+        return drive
 
     def answer(self, blocks: Array, delays: Array) -> Array:
         """Change of the drive per change of position, per rad (m), shape (n,).
@@ -112,7 +122,7 @@ class AllCommands:
         blocks[:, k.KI] = 0.0
         count = np.where(blocks[:, k.COUNT] > 0.0, blocks[:, k.COUNT], _NUDGE)
         nudge = np.repeat(count, np.diff(self.edges))
-        less, more = (self._mean_drive(blocks, delays, off=way * nudge) for way in (-1.0, 1.0))
+        less, more = (self.mean_drive(blocks, delays, off=way * nudge) for way in (-1.0, 1.0))
         return (less - more) / (2.0 * nudge)
 
     def damping(self, blocks: Array, delays: Array) -> Array:
@@ -121,21 +131,8 @@ class AllCommands:
         Args:
             blocks, delays: as in `mean_drive`.
         """
-        less, more = (self._mean_drive(blocks, delays, faster=way * _NUDGE) for way in (-1.0, 1.0))
+        less, more = (self.mean_drive(blocks, delays, faster=way * _NUDGE) for way in (-1.0, 1.0))
         return (less - more) / (2.0 * _NUDGE)
-
-    def _mean_drive(
-        self, blocks: Array, delays: Array, off: Array | float = 0.0, faster: float = 0.0
-    ) -> Array:
-        """Mean drive, with positions and velocities changed by the given amounts."""
-        target, position, velocity, supply, on = self._given
-        q, v = position + off, velocity + faster
-        drive = np.empty_like(self.time)
-        path = np.empty((4, 2 * int(np.diff(self.edges).max())))
-        fill_mean_drives(
-            blocks, delays, self.edges, self.time, target, q, v, supply, on, path, drive
-        )
-        return drive
 
 
 def commands(log: JointLog, controller: Controller) -> Commands:

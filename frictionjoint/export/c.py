@@ -19,7 +19,9 @@ from frictionjoint.errors import ModelError
 from frictionjoint.export.scripts import rendered
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.parameter_checks import LEVELS, SIDES
 from frictionjoint.parameters import Friction
+from frictionjoint.rivals import MaxwellSlipParameters
 from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import row_size, torque_now
 from frictionjoint.translate.c_functions import name_of, source
@@ -37,17 +39,7 @@ _SURROUNDINGS = {
 }
 # where an effect that is no torque acts
 _ELSEWHERE = {"mechanism": "between motor and link", "sensors": "in the instruments"}
-_LEVELS = [
-    f"{name}_{side}" for side in ("pos", "neg") for name in ("Fs", "Fc", "Vs", "delta", "sigma2")
-]
-_OWN = {
-    "static": ["V0"],
-    "armstrong": ["sigma0"],
-    "dahl": ["sigma0", "i"],
-    "dahl_stribeck": ["sigma0", "i"],
-    "lugre": ["sigma0"],
-    "elastoplastic": ["sigma0", "breakaway"],
-}
+_LEVELS = [f"{name}_{side}" for side in SIDES for name in LEVELS]
 
 
 @dataclass(frozen=True)
@@ -155,10 +147,10 @@ def _law_labels(parameters: Friction, block: Array) -> list[str]:
         knots = int(block[len(head)])
         of_knots = [f"{x} of knot {i}" for i in range(knots) for x in ("z", "F", "slope")]
         return [*head, "knots", *of_knots]
-    own = _OWN.get(parameters.law)
-    if own is None:
-        pairs = (len(block) - 4 - len(_LEVELS)) // 2
-        own = ["C", "elements", *(f"{x}[{i}]" for i in range(pairs) for x in ("k", "share"))]
+    own: Iterable[str] = getattr(parameters, "own", ())
+    if isinstance(parameters, MaxwellSlipParameters):
+        pairs = range(len(parameters.elements))
+        own = ["C", "elements", *(f"{x}[{i}]" for i in pairs for x in ("k", "share"))]
     return [first, "sigma1", *_LEVELS, *own]
 
 

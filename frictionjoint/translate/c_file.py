@@ -8,6 +8,7 @@ import ast
 from collections.abc import Mapping
 from typing import Any
 
+from frictionjoint.library import Entry, Parameter
 from frictionjoint.translate.c_expressions import Called
 from frictionjoint.translate.c_functions import Translation
 from frictionjoint.translate.kernel import Kernel, signature
@@ -33,12 +34,9 @@ _HEAD = """/* The kernels of frictionjoint, written by frictionjoint.translate. 
 #define FJ_IN_LINE static inline __attribute__((always_inline))
 """
 
-# symbol, result, and for each parameter: name, kind, whether it is written to, lengths, fields
-Listed = tuple[str, str, list[tuple[str, str, bool, list[int], dict[str, str]]]]
 
-
-def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Listed]]:
-    """C text, and the symbol, result and parameters of each kernel as for ``library.Entry``.
+def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Entry]]:
+    """C text, and the symbol, result and parameters of each kernel.
 
     Args:
         kernels: by module and name, see `frictionjoint.compiled.registry`.
@@ -47,12 +45,12 @@ def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Listed]]:
     """
     translation = Translation(kernels.values(), dialect=LIBRARY)
     shown: list[str] = []
-    listed: dict[str, Listed] = {}
+    listed: dict[str, Entry] = {}
     for name, kernel in kernels.items():
         called = translation.called[kernel.py_func]
         typed = signature(kernel)
         shown.append(_shown(called, typed))
-        listed[name] = (f"{called.name}_", _result(typed), _parameters(called, typed))
+        listed[name] = Entry(f"{called.name}_", _result(typed), _parameters(called, typed))
     return "\n".join([_HEAD, translation.text(), *shown]) + "\n", listed
 
 
@@ -61,15 +59,13 @@ def _result(typed: Kernel) -> str:
     return "bool" if annotation == "bool" else typed.result
 
 
-def _parameters(
-    called: Called, typed: Kernel
-) -> list[tuple[str, str, bool, list[int], dict[str, str]]]:
+def _parameters(called: Called, typed: Kernel) -> tuple[Parameter, ...]:
     found = []
     for name, kind in typed.kinds.items():
         fields = fields_of(typed.structures[kind]) if is_structure(kind) else {}
         axes = sorted(called.axes.get(name, ()))
-        found.append((name, kind, name in called.written, axes, fields))
-    return found
+        found.append(Parameter(name, kind, name in called.written, axes, fields))
+    return tuple(found)
 
 
 def _shown(called: Called, typed: Kernel) -> str:
