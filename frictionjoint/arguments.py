@@ -35,12 +35,13 @@ def require_model(model: Any, function: str) -> None:
     raise TypeError(f"{function} takes a mujoco.MjModel, not {kind_of(model)}: {fix}")
 
 
-def require_data(data: Any, function: str, model: mujoco.MjModel) -> None:
-    """Raise unless the argument is an MjData of a model.
+def require_data(data: Any, model: Any, function: str) -> None:
+    """Raise unless the arguments are an MjData and its MjModel.
 
     Raises:
-        ModelError: the data belong to another model. TypeError: not an MjData.
+        ModelError: the data belong to another model. TypeError: not an MjData or MjModel.
     """
+    require_model(model, function)
     if isinstance(data, mujoco.MjData):
         _require_own(data, function, model)
         return

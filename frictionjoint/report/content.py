@@ -4,6 +4,8 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
+Content = Mapping[str, Any]
+
 
 def content_of(result: Any) -> Any:
     """A result as tables, lists, numbers and texts.

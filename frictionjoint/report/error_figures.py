@@ -4,13 +4,12 @@ Figures that the logs do not support are withheld, with a reason: a noise estima
 error or far below the resolution of an instrument, and a percentage of a drive close to zero.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
+from frictionjoint.report.content import Content
 from frictionjoint.report.wording import drive_name, percentage, three
 
-Content = Mapping[str, Any]
 Stage = Literal["before", "after"]
 STAGES: tuple[Stage, Stage] = ("before", "after")
 

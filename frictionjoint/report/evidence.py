@@ -7,14 +7,12 @@ A candidate that explains as much as the chosen one could also be the cause.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
+from frictionjoint.report.content import Content
 from frictionjoint.report.numbers import effect_estimates, size_is_determined, size_of
 from frictionjoint.report.wording import listed, three
-
-Content = Mapping[str, Any]
 
 
 @dataclass(frozen=True)

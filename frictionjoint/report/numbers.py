@@ -6,15 +6,15 @@ Everything comes from the content of report.json.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS, title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
 from frictionjoint.parameter_meanings import by_direction, meaning
 from frictionjoint.report import wording
+from frictionjoint.report.content import Content
 
-Content = Mapping[str, Any]
 Status = Literal["determined", "not determined", "assumed", "fixed"]
 
 # what a factor is where there is no effect; of any other number it is 0

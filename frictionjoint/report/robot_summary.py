@@ -7,14 +7,13 @@ from typing import Any
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
+from frictionjoint.report.content import Content
 from frictionjoint.report.error_figures import STAGES, Stage, compared
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
 from frictionjoint.report.summary import Summary, summarise
 from frictionjoint.report.wording import listed, percentage, three
-
-Content = Mapping[str, Any]
 
 _NONE = "–"
 _FRICTION = ("Fc", "Fs", "sigma2", "stiffness")

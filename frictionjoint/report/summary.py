@@ -5,11 +5,10 @@ the logs do not support are withheld where they are made: here, in `error_figure
 and in `numbers`.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from frictionjoint.decisions import AT_THE_FLOOR, SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.report.content import Content
 from frictionjoint.report.error_figures import (
     STAGES,
     ErrorRow,
@@ -26,8 +25,6 @@ from frictionjoint.report.evidence import Candidate, EffectRow, effect_of, step_
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import Number, carried, friction_card, result_estimates
 from frictionjoint.report.wording import listed, quantity, three
-
-Content = Mapping[str, Any]
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from frictionjoint.diagnose.state import MOST_CHANGES
 from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.report.entries import Evidence
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import (
@@ -43,28 +44,20 @@ class Choice:
     """A selected candidate with its evidence.
 
     Attributes:
-        gain: fraction of a joint's held-out sum of squares that it removes, for the joint with the
-            largest.
-        p_value: of no such cause, over the whole family. frequency: of being the best on halves.
-        runner_up: label of the next best candidate; margin: difference of their gains over all
+        evidence: its gain is the fraction of a joint's held-out sum of squares that it removes, for
+            the joint with the largest; its p-value is over the whole family; its margin is over all
             joints.
-        ties: labels of candidates that these logs cannot distinguish from it.
         numbers: of the cause, to first order, for its free columns.
     """
 
     candidate: Candidate
-    gain: float
-    p_value: float
-    frequency: float
-    runner_up: str | None
-    margin: float
-    ties: tuple[str, ...]
+    evidence: Evidence
     numbers: Array = field(repr=False)
 
     @property
     def bends(self) -> bool:
         """Whether its absence may bias the laws."""
-        return self.gain > _BENT
+        return self.evidence.held_out_gain > _BENT
 
     def of(self, cause: Cause) -> "Choice":
         """The choice for a part of its cause."""
@@ -212,14 +205,17 @@ def _next(
     label = simplest.candidate.label
     others = [r for r in rows if r.candidate.label != label]
     ties = dict.fromkeys(r.candidate.label for r in near if r.candidate.label != label)
-    return Choice(
-        simplest.candidate,
+    evidence = Evidence(
         gain_of(now, simplest.left),
         simplest.p_value,
         _frequency(rows, simplest.candidate.changed, rng),
         others[0].candidate.label if others else None,
         (others[0].total - simplest.total) / float(now.sum()) if others else 0.0,
         tuple(ties),
+    )
+    return Choice(
+        simplest.candidate,
+        evidence,
         stack.solution(np.concatenate([known, simplest.candidate.at]))[len(known) :],
     )
 

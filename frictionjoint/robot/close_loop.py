@@ -25,7 +25,6 @@ from frictionjoint.measured.arguments import require_seed
 from frictionjoint.model_files import compile_model, read_spec
 from frictionjoint.model_text import model_text
 from frictionjoint.replay.free_runs import friction_spec, replay_joints
-from frictionjoint.report.entries import Evidence
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.robot_report import (
     RobotErrors,
@@ -35,7 +34,6 @@ from frictionjoint.report.robot_report import (
     notes_of,
 )
 from frictionjoint.robot.causes.cause import composed
-from frictionjoint.robot.choose import Choice
 from frictionjoint.robot.corrections import Corrections, write_corrections
 from frictionjoint.robot.excitation import next_trajectory
 from frictionjoint.robot.explain import Explained, Fitted, State, Task, explain_joint
@@ -255,7 +253,7 @@ def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause,
             cause=found.causes[i].name,
             place=found.causes[i].place,
             parameters=_estimates(found, i, shared.settled.covariance[i]),
-            evidence=_evidence(choice),
+            evidence=choice.evidence,
             joints={n: (x.without[i], x.with_all) for n, x in done.items() if i in x.without},
         )
         for i, choice in enumerate(shared.choices)
@@ -268,7 +266,7 @@ def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause,
                 cause=common.term.name,
                 place={"common_to": ", ".join(own)},
                 parameters=common.parameters,
-                evidence=_evidence(choice),
+                evidence=choice.evidence,
                 joints=own,
             )
             causes = (*causes, cause)
@@ -283,12 +281,6 @@ def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:
             return left, added.torque_rms
         left = added.torque_rms
     return None
-
-
-def _evidence(choice: Choice) -> Evidence:
-    return Evidence(
-        choice.gain, choice.p_value, choice.frequency, choice.runner_up, choice.margin, choice.ties
-    )
 
 
 def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:

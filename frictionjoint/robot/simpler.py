@@ -186,15 +186,12 @@ def _choices(
     for candidate, x in zip(several, parts, strict=True):
         others = tuple(c for c in several if c is not candidate)
         without = seen.stack.held_out(_with(known, others))
-        found.append(
-            replace(
-                before,
-                candidate=candidate,
-                gain=gain_of(without, whole),
-                runner_up=before.candidate.label,
-                margin=0.0,
-                ties=tuple(t for t in before.ties if t != candidate.label),
-                numbers=x,
-            )
+        evidence = replace(
+            before.evidence,
+            held_out_gain=gain_of(without, whole),
+            runner_up=before.candidate.label,
+            margin=0.0,
+            ties=tuple(t for t in before.evidence.ties if t != candidate.label),
         )
+        found.append(Choice(candidate, evidence, x))
     return tuple(found)

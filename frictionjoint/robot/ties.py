@@ -39,7 +39,7 @@ def restated(
     there = {c.label for c in found.causes} | single_effects
     kept = []
     for i, choice in enumerate(choices):
-        wanted = frozenset(choice.ties) - there
+        wanted = frozenset(choice.evidence.ties) - there
         ties: tuple[str, ...] = ()
         if wanted:
             own, rest = found.causes[i], found.without(i)
@@ -48,7 +48,8 @@ def restated(
             named, here = (single_effects | wanted).__contains__, joints[0].common_effects
             seen = screen(at, clock, rest, [own, *rivals], named, here, joints)
             ties = tuple(c.label for c in _as_good(seen, own, wanted, left))
-        kept.append(replace(choice, ties=tuple(dict.fromkeys(ties))))
+        evidence = replace(choice.evidence, ties=tuple(dict.fromkeys(ties)))
+        kept.append(replace(choice, evidence=evidence))
     return tuple(kept)
 
 

@@ -8,7 +8,7 @@ Friction is implicit: from the passive forces of a step until the next position 
 import mujoco
 import numpy as np
 
-from frictionjoint.arguments import require_data, require_model
+from frictionjoint.arguments import require_data
 from frictionjoint.arrays import Array
 from frictionjoint.simulate.block import DOF, ROW
 from frictionjoint.simulate.carrier import resolve
@@ -26,8 +26,7 @@ def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
     Raises:
         ModelError: the data belong to another model. TypeError: no MjModel or MjData.
     """
-    require_model(model, "mass_matrix")
-    require_data(data, "mass_matrix", model)
+    require_data(data, model, "mass_matrix")
     entries, P, X = data.M.copy(), model.numeric_data, data.userdata
     for block in resolve(model).values():
         dof, row = int(P[block + DOF]), int(P[block + ROW])

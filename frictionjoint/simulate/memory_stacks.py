@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from frictionjoint.arguments import require_data, require_model
+from frictionjoint.arguments import require_data
 from frictionjoint.law.memory import BOUND, FORGOTTEN, N_MAX, N_MIN
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.simulate.block import ROW
@@ -36,8 +36,7 @@ def remembered(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Remember
     Args:
         model: attached, or from `load_model`. data: of that model.
     """
-    require_model(model, "remembered")
-    require_data(data, "remembered", model)
+    require_data(data, model, "remembered")
     found = {}
     addresses = resolve(model)
     for name, carried in read_friction(model).items():

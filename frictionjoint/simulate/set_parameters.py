@@ -105,8 +105,7 @@ def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None)
         ModelError: no friction in the model or at the joint.
         TypeError: no MjModel or MjData.
     """
-    require_model(model, "forget")
-    require_data(data, "forget", model)
+    require_data(data, model, "forget")
     found = resolve(model)
     for name in found if joint is None else [_one_of(found, joint)]:
         block = model.numeric_data[found[name] :]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from frictionjoint.arguments import require_data, require_model
+from frictionjoint.arguments import require_data
 from frictionjoint.arrays import Array
 from frictionjoint.effects import heating, warm_up_drift
 from frictionjoint.effects.catalogue import SIMULATED
@@ -114,8 +114,7 @@ def _places(
     model: mujoco.MjModel, data: mujoco.MjData, kinds: dict[float, _Kind], what: str
 ) -> dict[str, list[tuple[_Kind, int, int, int]]]:
     """By joint: kind, address of the numbers, of the committed and of the evaluated memory."""
-    require_model(model, what)
-    require_data(data, what, model)
+    require_data(data, model, what)
     P, found = model.numeric_data, {}
     for name, block in resolve(model).items():
         places = _of_block(P, block, kinds)

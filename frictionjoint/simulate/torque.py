@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from frictionjoint.arguments import require_data, require_model
+from frictionjoint.arguments import require_data
 from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.kernel import MEMORY
@@ -64,8 +64,7 @@ def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorq
         ModelError: the model has no friction.
         TypeError: no MjModel or MjData.
     """
-    require_model(model, "torque")
-    require_data(data, "torque", model)
+    require_data(data, model, "torque")
     P = model.numeric_data
     found = blocks(model)
     if any(P[at + RESOLVED] != 1.0 for at in found.values()):
