@@ -3,6 +3,7 @@
 import itertools
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 from arms.arm import random_arm
@@ -18,6 +19,7 @@ from frictionjoint.robot.along import Along
 from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia
+from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.causes.joint_offset import JointOffset
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.causes.rotor_inertia import RotorInertia
@@ -51,7 +53,7 @@ def logs() -> dict[str, JointLog]:
 
 
 CAUSES = {
-    "payload": (Payload(3, "link3"), [0.7, 0.05, -0.02, 0.03, 1e-3]),
+    "payload": (Payload(3, "link3", 10.0), [0.7, 0.05, -0.02, 0.03, 1e-3]),
     "mass": (BodyInertia(2, "link2", "mass"), [0.3]),
     "mass and centre": (BodyInertia(2, "link2", "mass and centre"), [0.2, 0.03, -0.01, 0.02]),
     "all ten": (BodyInertia(3, "link3", "all ten"), list(0.1 * np.arange(-5, 5))),
@@ -59,6 +61,15 @@ CAUSES = {
     "tilt": (BaseTilt(), [0.1, -0.05]),
     "offset": (JointOffset("j2"), [0.07]),
 }
+
+
+def test_an_arm_carries_no_more_than_its_own_mass(arm):
+    model = mujoco.MjModel.from_xml_string(arm)
+    causes = catalogue(model, JOINTS, JOINTS, dict.fromkeys(JOINTS, np.ones(3)))
+    (payload,) = (c for c in causes if isinstance(c, Payload))
+    least, most = payload.bounds[0]
+    assert 0.0 < least < 1e-4
+    assert most == pytest.approx(model.body_mass.sum())
 
 
 @pytest.mark.parametrize("kind", CAUSES)

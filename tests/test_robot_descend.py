@@ -46,7 +46,7 @@ def test_a_payload_is_found_though_one_direction_of_its_centre_moves_no_torque_a
     hide_payload(arm, 1.2, [0.02, -0.02, 0.03])
     joints = fitted_joints(arm, (1, 2), 8.0)
     _, mass, centre = arm.hidden["payload"]
-    start = found_of(joints, Payload(3, "link3"))
+    start = found_of(joints, Payload(3, "link3", 10.0))
     (found,) = descended(joints, clock(joints), start, lambda label: False).numbers
     assert found[0] == pytest.approx(mass, rel=0.02)
     assert np.linalg.norm(found[1:4] / found[0] - centre) < 2e-3

@@ -41,8 +41,11 @@ def catalogue(
     none = [rotor for rotor in rotors if not rotor.armature]
     found: list[Cause] = [*rotors, *([Rotors(tuple(none))] if len(none) > 1 else [])]
     links = rigid_links(model, joints, moving)
-    found += [Payload(b, body_label(model, b)) for b in _hands(links)]
     phi = of_model(model)
+    # no arm carries more than its own mass; where the logs determine only the payload's moment,
+    # a larger mass near the axes would explain it too
+    own_mass = float(phi[list(itertools.chain(*links.values())), 0].sum())
+    found += [Payload(b, body_label(model, b), own_mass) for b in _hands(links)]
     for link in links.values():
         heaviest = max(link, key=lambda b: phi[b, 0])
         if possible(phi[heaviest]):

@@ -27,21 +27,27 @@ class Payload(Cause):
 
     Attributes:
         body: that carries it, by number and name.
+        heaviest: mass that it may have, kg.
     """
 
     body: int
     body_name: str
+    heaviest: float
     name: ClassVar[str] = "payload"
     homogeneous: ClassVar[bool] = True
     essential: ClassVar[int] = 1
     # the centre is the moment over the mass: 0.1 mg
     steps = np.array([1e-7, 1e-5, 1e-5, 1e-5, 1e-5])
-    bounds = ((_LEAST, np.inf), FREE, FREE, FREE, POSITIVE)
 
     @property
     def place(self) -> dict[str, str]:
         """The body that carries it."""
         return {"body": self.body_name}
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """A positive mass, any centre, a nonnegative inertia."""
+        return ((_LEAST, self.heaviest), FREE, FREE, FREE, POSITIVE)
 
     def rays(self, x: Array) -> list[Array]:
         """The found moment with the mass that it has at each of several distances."""
