@@ -30,7 +30,6 @@ class PlainFriction:
         damping: coefficients of 1, |v|, v^2, times v; N m s/rad and so on, none negative.
         preload: N m, constant, against positive motion.
         stiffness: N m/rad, of a spring with rest position zero. armature: kg m^2, may be negative.
-        misfit: N m, rms error of Coulomb friction and damping over the speeds, in steady sliding.
         lost: names of effects that a plain joint cannot represent.
     """
 
@@ -40,7 +39,6 @@ class PlainFriction:
     preload: float
     stiffness: float
     armature: float
-    misfit: float
     lost: tuple[str, ...]
 
 
@@ -107,7 +105,6 @@ def plain_friction(carried: JointFriction, speeds: Array, terms: int = 1) -> Pla
         preload=float(np.mean(0.5 * (up - down))) + _total(carried, "preload"),
         stiffness=_total(carried, "stiffness"),
         armature=_total(carried, "armature"),
-        misfit=misfit,
         lost=tuple(
             e.effect.name for e in carried.effects if not (e.effect.of_speed or e.effect.plain)
         ),
