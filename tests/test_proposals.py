@@ -19,7 +19,7 @@ from plants.plant import (
 from trial_logs import quiet
 
 from frictionjoint.diagnose.motions import Limits, family, least_travel
-from frictionjoint.diagnose.proposal import LEVEL, UNLIKE, Planner, to_distinguish
+from frictionjoint.diagnose.proposal import Planner, to_distinguish
 from frictionjoint.diagnose.report_parts import rivals
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.prepare import prepare
@@ -71,7 +71,7 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
     assert proposal.distinguishes
     assert proposal.motion.payload > 0.0
     assert all(x.share < 1e-3 for x in proposal.now)
-    assert all(x.deviations >= LEVEL and x.share >= UNLIKE for x in proposal.expected)
+    assert all(x.deviations >= 3.0 and x.share >= 0.04 for x in proposal.expected)
     text = to_distinguish(planner, i, other)
     assert re.search(r"joint 'joint', .* rad, up to .* rad/s, with a further payload", text)
     assert f"for {proposal.motion.duration:.0f} s" in text

@@ -41,10 +41,6 @@ from frictionjoint.refine.vector import Vector, with_term
 from frictionjoint.replay.closed_loop import Course
 from frictionjoint.replay.free_runs import simulated_whole
 
-# of the torque's rms, by which a coefficient moves it for a difference
-_STEP = 0.01
-_MOST_LOOKS = 3
-
 
 def named_by_motion(
     found: Trace,
@@ -68,7 +64,7 @@ def _asked_for(
     now = refine(found.prepared, found.final, courses, progress)
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
         return found, now
-    for _ in range(_MOST_LOOKS):
+    for _ in range(3):
         progress("checking effects by the simulated motion")
         best = None
         for fitted, coefficients in _promising(found, now, courses, armature):
@@ -268,7 +264,8 @@ def _changed(
         size = np.sqrt(np.mean(columns**2, axis=0))
         if not np.all(np.isfinite(size)) or np.any(size == 0.0):
             continue
-        steps = _STEP * fitted.target_rms / size
+        # a difference moves the torque by 1% of its rms
+        steps = 0.01 * fitted.target_rms / size
         moved = [with_term(prepared, fitted, term, step) for step in np.diag(steps)]
         if all(simulated_whole(f, armature, in_closed_loop=True) for f in moved):
             yield term, moved, steps

@@ -8,9 +8,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.terms import EffectTerm, Term
 
-# of a candidate's columns, what may be left by others that hold the same
-_SAME = 1e-3
-
 
 @dataclass(frozen=True)
 class Candidate:
@@ -51,7 +48,7 @@ class Candidate:
         """Whether another candidate is this one with some coefficients fixed."""
         left = np.linalg.lstsq(self.columns, other.columns, rcond=None)[0]
         rest = other.columns - self.columns @ left
-        return bool(np.linalg.norm(rest) < _SAME * np.linalg.norm(other.columns))
+        return bool(np.linalg.norm(rest) < 1e-3 * np.linalg.norm(other.columns))
 
 
 def without_columns(term: Term) -> Candidate:

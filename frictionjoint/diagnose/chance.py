@@ -17,8 +17,6 @@ from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.threads import side_by_side
 
 FLIPS = 999
-# points of a tail that are calculated, and the least that one counts as
-_GRID, _LEAST_TAIL = 100, 1e-300
 
 
 def p_values(
@@ -106,7 +104,7 @@ def surprise(
     # a few blocks know their spread roughly, and what signs make of it does not show that
     known = max(1.0, _independent(A, inverse) - 1.0)
     tail = float(fdtrc(k, known, statistic[0] / k))
-    return np.append(-np.log(max(tail, _LEAST_TAIL)), _nats_of_chi_squared(k, statistic[1:]))
+    return np.append(-np.log(max(tail, 1e-300)), _nats_of_chi_squared(k, statistic[1:]))
 
 
 def _nats_of_chi_squared(k: float, statistic: Array) -> Array:
@@ -116,8 +114,8 @@ def _nats_of_chi_squared(k: float, statistic: Array) -> Array:
     """
     # in the square root of a statistic it is smooth down to zero
     root = np.sqrt(statistic)
-    grid = np.linspace(0.0, float(root.max()), _GRID)
-    nats = -np.log(np.maximum(chdtrc(k, grid**2), _LEAST_TAIL))
+    grid = np.linspace(0.0, float(root.max()), 100)
+    nats = -np.log(np.maximum(chdtrc(k, grid**2), 1e-300))
     return np.asarray(np.interp(root, grid, nats))
 
 

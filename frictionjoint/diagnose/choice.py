@@ -13,9 +13,6 @@ from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
-# gain of a refitted change over the gain that the screen promises, at most
-_MOST_GROWTH = 3.0
-
 
 class Tried(NamedTuple):
     """A change, the logs as weighted for its fit, and its score."""
@@ -85,7 +82,7 @@ def promises(move: Move, seen: Look) -> bool:
     that are certain to exist need not gain much.
     """
     certain = all(c.comes_first for c in move.added)
-    return certain or seen.gain(move) >= SMALLEST_GAIN / _MOST_GROWTH
+    return certain or seen.gain(move) >= SMALLEST_GAIN / 3.0
 
 
 def _much_before(unnamed: Tried, best: Tried, now: Scored) -> bool:

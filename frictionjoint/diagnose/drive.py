@@ -29,9 +29,8 @@ from frictionjoint.identify.starts import COARSE, COMPARING_STEPS
 from frictionjoint.identify.terms import EffectTerm, Term, all_but, in_place
 from frictionjoint.threads import side_by_side
 
-# starts of each form of an effect that ripen on thinned logs and for how many steps; effects that
-# are fitted to all samples
-_RIPENING, _STEPS, _LEADERS = 2, 6, 3
+# steps of a fit to thinned logs; effects that are fitted to all samples
+_STEPS, _LEADERS = 6, 3
 
 # fraction of the squares that an effect takes, and its term
 Ranked = tuple[float, EffectTerm]
@@ -163,10 +162,11 @@ def _best_of_each_form(
         places = in_order(
             list(zip(terms, each(begun, terms), strict=True)), lambda pair: pair[1].cost
         )
+        # the two best starts of each form
         starts = [
             place
             for i, (term, place) in enumerate(places)
-            if sum(other.effect == term.effect for other, _ in places[:i]) < _RIPENING
+            if sum(other.effect == term.effect for other, _ in places[:i]) < 2
         ]
         fits = list(each(attempt, starts))
     best: dict[Effect, Ranked] = {}

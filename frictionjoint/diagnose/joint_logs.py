@@ -19,9 +19,6 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.replay.loops import Loops
 
-# samples behind the balance's filter
-_FEWEST = 20
-
 
 @dataclass(frozen=True)
 class JointLogs:
@@ -107,7 +104,7 @@ def prepare_kept_back(
     pairs = zip(prepared.segments, since, strict=True)
     kept = replace(prepared, segments=tuple(_from(s, t) for s, t in pairs))
     left = sum(int(s.kept.sum()) for s in kept.segments)
-    if left < _FEWEST:
+    if left < 20:
         names = ", ".join(log.name for log in logs)
         raise LogError(
             f"{names}: held out, but {left} samples are left of it in the balance's band of "

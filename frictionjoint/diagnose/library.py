@@ -29,15 +29,6 @@ from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 from frictionjoint.identify.timing import DriveTiming, TargetTiming
 from frictionjoint.threads import side_by_side
 
-# reaches of unnamed hysteresis, over the travel
-_REACHES = (0.01, 0.03, 0.1, 0.3)
-# fractions of the samples above which a logged torque may not have acted
-_EXCEEDED = (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)
-# waves of an encoder in a turn of the joint
-_ORDERS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
-# samples of a delay where a fit of it starts
-_DELAYS = (-3.0, -1.0, 1.0, 3.0)
-
 
 def library(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
     """All candidates for a fit's residual."""
@@ -209,7 +200,7 @@ def drive_terms(prepared: Prepared, taken: tuple[Term, ...]) -> list[EffectTerm]
         EffectTerm(effect, (k * sample,))
         for effect in CATALOGUE
         if effect.delays and effect.name not in names
-        for k in _DELAYS
+        for k in (-3.0, -1.0, 1.0, 3.0)
     ]
     return [*of_drive, *delays]
 
@@ -243,10 +234,12 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
     for variable in [*VARIABLES, *prepared.segments[0].others]:
         terms += _curves(prepared, signals, variable)
     span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
-    terms.append(HysteresisTerm("position", tuple(span * part for part in _REACHES)))
+    reaches = tuple(span * part for part in (0.01, 0.03, 0.1, 0.3))
+    terms.append(HysteresisTerm("position", reaches))
     if prepared.drive == "torque" and not prepared.commanded:
         size = np.concatenate([np.abs(s.drive[s.mask]) for s in prepared.segments])
-        levels = np.quantile(size, _EXCEEDED).tolist()
+        # fractions of the samples above which a logged torque may not have acted
+        levels = np.quantile(size, (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)).tolist()
         excess = [ExcessTerm("torque", x, (levels[0], levels[-1])) for x in levels]
         motion_hz = prepared.band.motion
         terms += [term for term in excess if term.shows(prepared.segments, motion_hz)]
@@ -258,7 +251,8 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
         _, viscosity = fitted.levels
         of_joint = (inertia, (arms[0], arms[1]), viscosity)
         taken = {term.order for term in fitted.terms if isinstance(term, EncoderTerm)}
-        terms += [EncoderTerm("position", N, *of_joint) for N in _ORDERS if N not in taken]
+        orders = [N for N in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0) if N not in taken]
+        terms += [EncoderTerm("position", N, *of_joint) for N in orders]
     names = tuple(s.name for s in prepared.segments)
     if len(names) > 1:
         terms.append(LogTerm("log", names))

@@ -26,11 +26,6 @@ from frictionjoint.effects.signals import (
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared, Segment
 
-# positions at which the load is computed
-_GRID = 257
-# fraction of the inertia from the centre of mass's distance below which a body counts as balanced
-_BALANCED = 0.05
-
 
 class Carried:
     """Rigid-body torque while only this joint moves: M(q) a + c(q) v^2 + g(q).
@@ -41,14 +36,14 @@ class Carried:
     """
 
     def __init__(self, body: RigidBody, like: Prepared, limits: Limits) -> None:
-        self.q = np.linspace(limits.low, limits.high, _GRID)
-        none, one = np.zeros(_GRID), np.ones(_GRID)
+        self.q = np.linspace(limits.low, limits.high, 257)
+        none, one = np.zeros_like(self.q), np.ones_like(self.q)
         others = {}
         for name in body.joint_names:
             key = f"{name}.position"
             tracks = [s.others[key] for s in like.segments if key in s.others]
             if tracks:
-                others[name] = (np.full(_GRID, np.median(np.concatenate(tracks))), none, none)
+                others[name] = (none + np.median(np.concatenate(tracks)), none, none)
         still = body.torque(self.q, none, none, others)
         self.gravity, self.gx, self.gy = still.load, still.gx, still.gy
         self.sag, self.sway = still.sag, still.sway
@@ -130,7 +125,8 @@ def payload_of(motion: Motion, body: RigidBody) -> str:
     axis = data.xaxis[body.joint_id]
     arm = data.subtree_com[child] - data.xanchor[body.joint_id]
     away = float(np.linalg.norm(arm - (arm @ axis) * axis))
-    if away**2 * mass < _BALANCED * inertia:
+    # of the inertia next to nothing comes from the distance of the centre of mass
+    if away**2 * mass < 0.05 * inertia:
         return f"payload balanced about the axis, {motion.payload * inertia:.2g} kg m^2"
     # m r and m r^2 of the point mass
     first = motion.payload * mass * away

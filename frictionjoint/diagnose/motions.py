@@ -13,22 +13,13 @@ from frictionjoint.effects.signals import TEMP, A, Q, V
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 
-# of the speeds and accelerations seen: single samples are noise
-_USUAL = 0.99
-# the payloads tried add these fractions of what the joint carries
-_PAYLOADS = (0.5, 1.0)
 # durations to try, s: each record, one of usual length at most, and one that warms the joint
 DURATIONS = (10.0, 20.0, 40.0, 80.0, 160.0, 320.0)
 _LONGEST, _WARMING = DURATIONS[3], DURATIONS[-1]
-# s between samples, and samples in the shortest period
-_FINE, _PER_PERIOD = 0.02, 12.0
-_FREQUENCIES, _ROWS = 5, 12
-_SPEEDS = (1.0, 0.3, 0.05)
-_RESTS = (0.1, 1.0, 10.0)
-_EASE = 1.0
-_SLOW, _GROWTH, _FIRST = 0.25, 20.0, 3.0
-# least travel of a motion over the rms error of a position: six counts of an encoder
-_SEEN = 20.0
+# s: of rests between moves, and of a start from rest
+_RESTS, _EASE = (0.1, 1.0, 10.0), 1.0
+# slow waves: s in which they grow tenfold, and the first one over the presliding displacement
+_GROWTH, _FIRST = 20.0, 3.0
 
 
 @dataclass(frozen=True)
@@ -92,17 +83,15 @@ def seen(prepared: Prepared, body: RigidBody) -> Limits:
     """Range, speed and acceleration of the logs, within the MJCF's range."""
     q, v, a = (np.concatenate([s.signals[:, k] for s in prepared.segments]) for k in (Q, V, A))
     low, high = _model_range(body)
-    return Limits(
-        max(float(q.min()), low),
-        min(float(q.max()), high),
-        float(np.quantile(np.abs(v), _USUAL)),
-        float(np.quantile(np.abs(a), _USUAL)),
-    )
+    # single samples are noise
+    speed, acceleration = (float(np.quantile(np.abs(x), 0.99)) for x in (v, a))
+    return Limits(max(float(q.min()), low), min(float(q.max()), high), speed, acceleration)
 
 
 def least_travel(prepared: Prepared) -> float:
     """Smallest travel that the position noise of the logs does not hide, rad (m)."""
-    return _SEEN * max(s.noise.resolution for s in prepared.segments)
+    # six counts of an encoder
+    return 20.0 * max(s.noise.resolution for s in prepared.segments)
 
 
 def between(low: float, high: float, unit: str) -> str:
@@ -172,11 +161,11 @@ def _any_motion(
     t = np.arange(0.0, _LONGEST + 0.5 * dt, dt)
     natural = limits.speed / (2.0 * np.pi * limits.reach)
     top = _top(limits)
-    for f in np.geomspace(0.25 * natural, min(top, 0.5 * bandwidth), _FREQUENCIES):
+    for f in np.geomspace(0.25 * natural, min(top, 0.5 * bandwidth), 5):
         yield motion(f"a sine of {f:.2g} Hz", _sine(t, f, limits), _easing(f) + 1.0 / f)
     # half of the way, the joint has the speed that the motion is named by
     top_speed = min(limits.speed, math.sqrt(0.5 * limits.reach * limits.acceleration))
-    speeds = [part * top_speed for part in _SPEEDS]
+    speeds = [part * top_speed for part in (1.0, 0.3, 0.05)]
     for speed in speeds:
         name = f"in both directions at a constant {speed:.2g} {unit}/s"
         yield motion(name, _sweeps(t, [speed], limits), 4.0 * limits.reach / speed)
@@ -198,7 +187,7 @@ def _any_motion(
     if presliding > 0.0 and 2.0 * _FIRST * presliding > least:
         name = "slow reversals that grow from presliding to sliding"
         yield motion(name, _reversals(t, presliding, limits), _GROWTH)
-    for payload in _PAYLOADS:
+    for payload in (0.5, 1.0):
         yield replace(slow, payload=payload)
         yield replace(fast, payload=payload)
     full = f"a sine of {natural:.2g} Hz"
@@ -218,7 +207,8 @@ def kept_period(prepared: Prepared) -> float:
 
 def sampling(limits: Limits, prepared: Prepared) -> int:
     """Decimation of the kept samples that suffices for these motions."""
-    enough = min(_FINE, 1.0 / (_PER_PERIOD * _top(limits)))
+    # s; twelve samples in the shortest period
+    enough = min(0.02, 1.0 / (12.0 * _top(limits)))
     return max(1, int(enough / kept_period(prepared)))
 
 
@@ -287,9 +277,9 @@ def _moves(t: Array, limits: Limits) -> Array:
 
 
 def _multisine(t: Array, highest: float, limits: Limits) -> Array:
-    f = np.geomspace(0.1 * highest, highest, _ROWS)
-    phase = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, _ROWS)
-    q = (np.sin(2.0 * np.pi * np.outer(t, f) + phase) / f) @ np.ones(_ROWS) * _eased(t)
+    f = np.geomspace(0.1 * highest, highest, 12)
+    phase = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, len(f))
+    q = (np.sin(2.0 * np.pi * np.outer(t, f) + phase) / f) @ np.ones(len(f)) * _eased(t)
     dt = float(t[1] - t[0])
     v = np.gradient(q, dt)
     ends = (limits.reach, limits.speed, limits.acceleration)
@@ -299,7 +289,7 @@ def _multisine(t: Array, highest: float, limits: Limits) -> Array:
 
 def _reversals(t: Array, presliding: float, limits: Limits) -> Array:
     """Slow waves with amplitudes from 3 to 30 times the presliding displacement."""
-    w = 2.0 * np.pi * _SLOW
+    w = 2.0 * np.pi * 0.25
     growth = _FIRST * 10.0 ** (t % _GROWTH / _GROWTH)
     amplitude = np.minimum(growth * presliding, _most(limits, w))
     return np.asarray(_middle(limits) + amplitude * np.sin(w * t))

@@ -18,9 +18,6 @@ from frictionjoint.threads import side_by_side
 
 # the most promising effects, and alternatives to one or without a name, that are refitted
 LEADERS, ALTERNATIVES = 4, 2
-# named candidates of which pairs are looked at, and kinds that are compared on half of the data
-_IN_PAIRS, _CONTENDERS = 8, 10
-
 
 Kind = tuple[tuple[str, tuple[float, ...]], ...]
 
@@ -141,7 +138,8 @@ def _frequencies(
         return np.asarray(np.max(sizes, axis=0))
 
     sizes = [float(most(whole, members)[0]) for members in kinds]
-    leading = in_order(range(len(kinds)), lambda k: max(sizes) - sizes[k])[:_CONTENDERS]
+    # the ten that explain most of all data
+    leading = in_order(range(len(kinds)), lambda k: max(sizes) - sizes[k])[:10]
     explained = np.array([most(half_of_blocks, kinds[k]) for k in leading])
     best = explained.max(axis=0)
     won = np.zeros(len(kinds))
@@ -178,7 +176,7 @@ class Moves:
 
     def _pairs(self) -> list[Move]:
         found = []
-        for a, b in itertools.combinations(self.named[:_IN_PAIRS], 2):
+        for a, b in itertools.combinations(self.named[:8], 2):
             left, _ = self.screened.held_out([*self.screened.terms, self._at(a), self._at(b)])
             found.append(Move((*self.own, a.term, b.term), (a, b), left))
         return found

@@ -13,8 +13,6 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import shape_limits
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 
-# fraction of a bound within which a number lies on it
-_ON_BOUND = 1e-3
 # of a drive, what must act: a limit may leave little of what high gains ask for, but not nothing
 LEAST_ACTING = 0.01
 
@@ -71,7 +69,7 @@ def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float
     for k, (x, limits) in enumerate(zip(term.free_shape, shape_limits(term), strict=True), first):
         for limit, outward in zip(limits, (-1.0, 1.0), strict=True):
             physical = math.isfinite(limit) and limit != 0.0
-            if physical and fitted.bound[k] and abs(x - limit) <= _ON_BOUND * abs(limit):
+            if physical and fitted.bound[k] and abs(x - limit) <= 1e-3 * abs(limit):
                 yield k, outward
 
 

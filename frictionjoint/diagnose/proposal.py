@@ -42,14 +42,6 @@ from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.parameter_meanings import meanings
 
-# what counts as distinguished: standard deviations, and a fraction that no refit makes up for
-LEVEL, UNLIKE = 3.0, 0.04
-# fraction below which nothing is left
-_NOTHING = 1e-4
-_FOR_PARAMETERS = DURATIONS[2]
-# a standard error worth a record: at most this fraction of what it was
-_SHARPER = 0.7
-
 
 @dataclass(frozen=True)
 class Proposal:
@@ -66,15 +58,21 @@ class Proposal:
     now: tuple[Separation, Separation]
 
     @property
+    def part(self) -> float:
+        """Part of what resolves the tie, whichever effect is true: three standard deviations, and
+        4% of an effect, which no refit makes up for."""
+        return min(min(x.deviations / 3.0, x.share / 0.04) for x in self.expected)
+
+    @property
     def distinguishes(self) -> bool:
         """Whether it is expected to resolve the tie, whichever effect is true."""
-        return all(x.deviations >= LEVEL and x.share >= UNLIKE for x in self.expected)
+        return self.part >= 1.0
 
     @property
     def nested(self) -> bool:
         """Whether the second effect contains the first one as a special case."""
         first, second = self.expected
-        return first.share < _NOTHING <= second.share
+        return first.share < 1e-4 <= second.share
 
 
 class Sharpened(NamedTuple):
@@ -161,14 +159,15 @@ class Planner:
         best, most = None, (0, 0.0)
         noise = self._noise(self.limits)
         for motion, _, sensitive in self._motions(self.limits):
-            enough = [x for x in _durations(motion) if x >= _FOR_PARAMETERS]
+            enough = [x for x in _durations(motion) if x >= 40.0]
             part = motion.part(enough[0] if enough else motion.duration)
             rows = round(part.duration / motion.duration * len(sensitive))
             further = moments(sensitive[:rows], noise)
             expected = with_further(cov, self.fitted.jacobian, further)
             found = law_estimates(self.fitted, expected, self.body.slide)
             ratios = {name: _ratio(found[name], law[name]) for name in names}
-            gained = [n for n, ratio in ratios.items() if ratio < _SHARPER and is_known(found[n])]
+            # a standard error that falls by 30% is worth a record
+            gained = [n for n, ratio in ratios.items() if ratio < 0.7 and is_known(found[n])]
             worth = (len(gained), -max((ratios[n] for n in gained), default=0.0))
             if worth > most:
                 best, most = Sharpened(part, {n: found[n] for n in gained}), worth
@@ -223,9 +222,8 @@ def _durations(motion: Motion) -> list[float]:
 
 def _worth(x: Proposal) -> tuple[bool, float, float, float]:
     """Sort key: recordings that distinguish first, then the shorter or the nearer one."""
-    near = min(min(y.deviations / LEVEL, y.share / UNLIKE) for y in x.expected)
     either = max(y.share for y in x.expected)
-    return x.distinguishes, -x.motion.duration if x.distinguishes else 0.0, near, either
+    return x.distinguishes, -x.motion.duration if x.distinguishes else 0.0, x.part, either
 
 
 def is_known(x: Estimate) -> bool:

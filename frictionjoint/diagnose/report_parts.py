@@ -34,9 +34,6 @@ from frictionjoint.report.entries import (
     SimulatedPosition,
 )
 
-# blocks whose spread tells something
-_FEWEST_BLOCKS = 5
-
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
     """Errors of the torque in motion, N m, all with one drive gain: a smaller gain improves no
@@ -63,7 +60,7 @@ def intervals(prepared: Prepared, found: Trace) -> Intervals | None:
     for fitted in (found.base, found.final):
         e = _errors(prepared, fitted, found.final.scale)
         block = np.arange(len(e)) // length
-        if len(e) < _FEWEST_BLOCKS * length:
+        if len(e) < 5 * length:  # the spread of fewer tells nothing
             return None
         pair.append(rms_interval(e, block))
     return pair[0], pair[1]

@@ -14,9 +14,6 @@ from frictionjoint.refine.refined_model import RefinedModel, refined_in_windows
 from frictionjoint.replay.free_runs import simulated_whole
 from frictionjoint.replay.loops import LoopErrors
 
-# standard error of a gain over the gain, beyond which it may as well be any
-_ANY_GAIN = 1.0
-
 
 @dataclass(frozen=True)
 class ResultingModel:
@@ -67,7 +64,8 @@ def resulting_model(
         # if the load is weakly excited the gain is poorly determined: the best one, with its error
         if refine is not False:
             found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
-            scaled = scaled or (outcome.taken and outcome.gain_error < _ANY_GAIN)
+            # a gain with a standard error as large as itself may be any
+            scaled = scaled or (outcome.taken and outcome.gain_error < 1.0)
             refined = RefinedModel.of(outcome, loops, body.slide, scaled)
         closed = loops.errors((found.base, found.final))
     elif refine and scaled and simulated_whole(found.final, body.armature, in_closed_loop=True):

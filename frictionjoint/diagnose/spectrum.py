@@ -19,14 +19,6 @@ from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import WaveTerm
 from frictionjoint.identify.terms import EffectTerm, Term
 
-# cells of the travel that a spectrum in position is made of
-_POSITION_BINS = 4096
-# fraction of a wave in time that is a function of the motion: above it, the wave is no dependence
-# on time
-_OF_MOTION = 0.5
-# strongest lines of a spectrum that are tried
-_PEAKS = 2
-
 
 def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
     """A wave in time from outside the joint: the strongest line of the residual's spectrum.
@@ -58,7 +50,7 @@ def wave_terms(prepared: Prepared, fitted: Fit) -> tuple[list[Term], float]:
     if _of_wave(fitted, turned, frequency) >= APART * -float(found.fun):
         return [], 1.0
     moved = _part_of_motion(fitted, prepared, times, frequency)
-    if moved > _OF_MOTION:
+    if moved > 0.5:  # of the wave the motion alone makes more than half
         return [], 1.0
     wave = WaveTerm("time", frequency, line, tuple(s.name for s in prepared.segments), moved)
     return [wave], max(1.0, len(power) / 2.0)
@@ -129,10 +121,11 @@ def periodic_terms(
     if span <= 0.0:
         return [], 1.0
     e = fitted.residual * fitted.weight**2
-    bins = np.minimum((_POSITION_BINS * (q - q.min()) / span).astype(int), _POSITION_BINS - 1)
+    cells = 4096  # of the travel
+    cell = np.minimum((cells * (q - q.min()) / span).astype(int), cells - 1)
     # periods are counted over where the joint mostly is: a few excursions must not make a slow
     # wave out of a smooth curve
-    first, last = int(2 * HALF_A_WAVE * span / prepared.usual_travel), _POSITION_BINS // 4
+    first, last = int(2 * HALF_A_WAVE * span / prepared.usual_travel), cells // 4
     fold = blocks.fold[blocks.of_sample]
     found: list[Term] = []
     for effect in harmonics:
@@ -140,14 +133,14 @@ def periodic_terms(
         # twice oversampled: line k has k/2 periods over the span
         F = np.array(
             [
-                np.fft.rfft(
-                    np.bincount(bins, e * weight * (fold == k), _POSITION_BINS), 2 * _POSITION_BINS
-                )[first:last]
+                np.fft.rfft(np.bincount(cell, e * weight * (fold == k), cells), 2 * cells)[
+                    first:last
+                ]
                 for k in np.unique(fold)
             ]
         )
         whole = F.sum(axis=0)
-        lines = set(_peaks(np.abs(whole) ** 2, _PEAKS))
+        lines = set(_peaks(np.abs(whole) ** 2, 2))
         for part in F:
             lines |= set(_peaks(np.abs(whole - part) ** 2, 1))
         for line in sorted(lines):

@@ -26,11 +26,6 @@ from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.timing import Timing
 from frictionjoint.threads import side_by_side
 
-# further searches from where the first one led: each follows where the last was clearly nearer
-_SEARCHES = 4
-# forms that are fitted to their end
-_FORMS = 3
-
 
 def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[Shape]]) -> Fit:
     """Effects fitted jointly with the best of some laws, in all forms, from all starting values."""
@@ -38,8 +33,8 @@ def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[
         ripe = [
             p for some in each(lambda forms: ripened(prepared, terms, forms), laws) for p in some
         ]
-    # forms that are this close after some steps may yet change places
-    leaders = in_order(ripe, lambda place: place.cost)[:_FORMS]
+    # the best forms after some steps may yet change places
+    leaders = in_order(ripe, lambda place: place.cost)[:3]
 
     def at_its_end(place: Place) -> Fit:
         law, moved = place.search.split(place.x)
@@ -47,7 +42,7 @@ def unbent(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Sequence[
 
     with side_by_side() as each:
         found: Fit = best_of(list(each(at_its_end, leaders)), lambda f: f.drive_rms)
-    for _ in range(_SEARCHES):
+    for _ in range(4):
         # one search moves an effect's numbers only so far
         last, found = found, compared(prepared, found.effects, found.shape)
         if found.drive_rms > (1.0 - CLEARLY) * last.drive_rms:

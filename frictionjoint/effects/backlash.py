@@ -15,12 +15,8 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.inertia_of_signals import inertia_of
 from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A
 
-# longest step, relative to the period of the flanks' resonance over 2 pi; fraction of a step that
-# counts as zero
-_FINE, _NEAR = 0.25, 1e-6
-# initial values: s to cross the gap, Hz, 1, fractions of the inertia that turn with the motor
-_CROSSINGS, _FLANKS, _ZETA = tuple(0.01 * 1.3**k for k in range(10)), (8.0, 16.0), 0.45
-_ROTORS = (0.0, 0.3)
+# fraction of a step that counts as zero
+_NEAR = 1e-6
 
 
 @compiled
@@ -74,7 +70,8 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
         X[x + 2] = rigid
         return 0.0
     p, rate, last = X[x], X[x + 1], X[x + 2]
-    longest = h / float(1 + int(h * w / _FINE))
+    # at most a quarter of the period of the flanks' resonance over 2 pi
+    longest = h / float(1 + int(h * w / 0.25))
     left, impulse = h, 0.0
     while left > _NEAR * h:
         dt = _step(p, rate, half, min(longest, left))
@@ -104,13 +101,13 @@ def _gaps(signals: Array) -> list[Shape]:
     """
     usual = root_mean_square(signals[:, GEAR])
     nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))
-    flanks = [f for f in _FLANKS if f < 0.5 * nyquist]
+    flanks = [f for f in (8.0, 16.0) if f < 0.5 * nyquist]
     inertia = inertia_of(signals, GEAR)
     return [
-        (0.5 * usual * t * t, f, _ZETA, part * inertia)
-        for t in _CROSSINGS
+        (0.5 * usual * t * t, f, 0.45, part * inertia)
+        for t in (0.01 * 1.3**k for k in range(10))
         for f in flanks
-        for part in _ROTORS
+        for part in (0.0, 0.3)
     ]
 
 

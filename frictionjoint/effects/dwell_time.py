@@ -10,10 +10,6 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.friction_level import approached
 from frictionjoint.effects.signals import DT, H, Q, V
 
-# initial values: time constant, s; slip that renews a contact and length over which the level is
-# reached, both relative to the travel
-_TAUS, _SLIPS, _REACH = (0.2, 1.0), (1e-4, 5e-4, 2e-3, 8e-3), 0.1
-
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -37,7 +33,8 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 def _shapes(signals: Array) -> list[Shape]:
     span = float(np.ptp(signals[:, Q]))
-    return [(tau, x * span, _REACH * x * span) for tau in _TAUS for x in _SLIPS]
+    slips = (1e-4, 5e-4, 2e-3, 8e-3)  # over the travel
+    return [(tau, x * span, 0.1 * x * span) for tau in (0.2, 1.0) for x in slips]
 
 
 EFFECT = Effect(

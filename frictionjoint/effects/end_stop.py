@@ -11,9 +11,6 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import Q
 
-# initial depth as a fraction of the range; a hard stop yields very little
-_DEPTHS = (0.005, 0.02, 0.05, 0.1, 0.15, 0.2)
-
 
 @compiled
 def upper_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -36,7 +33,9 @@ def both_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 def _positions(end: Callable[[Array], float], signals: Array) -> list[Shape]:
     q = signals[:, Q]
     inward = 0.5 * float(q.min() + q.max()) - end(q)
-    return [(float(end(q) + 2.0 * depth * inward),) for depth in _DEPTHS]
+    # fractions of the range; a hard stop yields very little
+    depths = (0.005, 0.02, 0.05, 0.1, 0.15, 0.2)
+    return [(float(end(q) + 2.0 * depth * inward),) for depth in depths]
 
 
 def _pairs(signals: Array) -> list[Shape]:

@@ -10,9 +10,6 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.friction_level import approached
 from frictionjoint.effects.signals import DT, H, Q, V
 
-_TOP = 0.99
-_REACH = 5e-4
-
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -35,8 +32,8 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 
 def _lags(signals: Array) -> list[Shape]:
-    top = float(np.quantile(np.abs(signals[:, V]), _TOP))
-    reach = _REACH * float(np.ptp(signals[:, Q]))
+    top = float(np.quantile(np.abs(signals[:, V]), 0.99))
+    reach = 5e-4 * float(np.ptp(signals[:, Q]))
     taus, speeds = (0.01, 0.03, 0.08), (0.03, 0.08, 0.2)
     return [(tau, share * top, reach) for tau in taus for share in speeds if top > 0.0]
 

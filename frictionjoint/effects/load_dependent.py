@@ -15,9 +15,6 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.friction_level import reached, reaches
 from frictionjoint.effects.signals import GEAR, H, V
 
-# initial Stribeck velocities of the extra level, relative to the fastest motion of a log
-_FALLS = (0.03, 0.15)
-
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -43,7 +40,7 @@ def stribeck_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 def _reaches_and_falls(signals: Array) -> list[Shape]:
     fastest = float(np.quantile(np.abs(signals[:, V]), 0.99))
     lengths = reaches(signals) if fastest > 0.0 else []
-    return [(length, part * fastest) for (length,) in lengths for part in _FALLS]
+    return [(length, part * fastest) for (length,) in lengths for part in (0.03, 0.15)]
 
 
 EFFECT = Effect(

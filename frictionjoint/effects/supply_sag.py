@@ -11,9 +11,6 @@ from frictionjoint.control.kernel import SAG, SAG_EMF, SUPPLY
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# initial values: back-EMF at the fastest motion relative to the supply; supply resistance
-_FRACTIONS, _SAG = (0.3, 0.7), 0.1
-
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
     """The controller block with a supply resistance."""
@@ -29,7 +26,8 @@ def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
 def _emfs(logs: Sequence[Commands]) -> list[Shape]:
     fastest = max(float(np.quantile(np.abs(x.velocity), 0.99)) for x in logs)
     supply = float(np.median([x.block[SUPPLY] for x in logs]))
-    return [(_SAG, fraction * supply / fastest) for fraction in _FRACTIONS if fastest > 0.0]
+    # back-EMF at the fastest motion, relative to the supply
+    return [(0.1, fraction * supply / fastest) for fraction in (0.3, 0.7) if fastest > 0.0]
 
 
 EFFECT = Effect(

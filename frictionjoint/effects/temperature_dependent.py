@@ -18,9 +18,6 @@ from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import TEMP, H, V
 from frictionjoint.effects.thermometer import warmer
 
-# initial values: K over which a change falls to 1/e; the last is almost linear
-_SCALES = (8.0, 20.0, 60.0, 300.0)
-
 
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
@@ -40,7 +37,8 @@ def apart_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 def _references(signals: Array) -> list[Shape]:
     # the base fit applies at the mean temperature of its logs; changes are relative to it
     reference = float(np.nanmean(signals[:, TEMP]))
-    return [(reference, scale) for scale in _SCALES]
+    # the last scale is almost linear
+    return [(reference, scale) for scale in (8.0, 20.0, 60.0, 300.0)]
 
 
 EFFECT = Effect(

@@ -10,9 +10,6 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, TIME, H, V
 
-# grids: time constants relative to a log's duration; warmth scale relative to the largest warmth of
-# the log, which distinguishes a linear change from one that levels off
-_TIMES, _WARMTHS = (0.1, 0.3, 1.0, 3.0), (0.3, 1.0)
 # s; oil, grease and the metal around them do not warm faster. A shorter memory comes from the
 # motion, not from heat.
 _FASTEST = 5.0
@@ -41,7 +38,8 @@ def warmed_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 def _time_constants(signals: Array) -> list[Shape]:
     duration = float(np.ptp(signals[:, TIME]))
-    return [(tau,) for tau in sorted({max(_FASTEST, duration * part) for part in _TIMES})]
+    times = {max(_FASTEST, duration * part) for part in (0.1, 0.3, 1.0, 3.0)}
+    return [(tau,) for tau in sorted(times)]
 
 
 @compiled
@@ -58,7 +56,9 @@ def _warmest(signals: Array, tau: float) -> float:
 def _time_constants_and_warmths(signals: Array) -> list[Shape]:
     taus = [tau for (tau,) in _time_constants(signals)]
     most = [_warmest(signals, tau) for tau in taus]
-    return [(t, part * w) for t, w in zip(taus, most, strict=True) for part in _WARMTHS if w > 0.0]
+    pairs = [(t, w) for t, w in zip(taus, most, strict=True) if w > 0.0]
+    # a scale of the largest warmth is next to linear, a smaller one levels off
+    return [(t, part * w) for t, w in pairs for part in (0.3, 1.0)]
 
 
 EFFECT = Effect(

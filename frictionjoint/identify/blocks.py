@@ -25,13 +25,9 @@ from frictionjoint.identify.segment import Prepared
 Index = NDArray[np.int64]
 
 FEWEST_BLOCKS = 48
-_MOST_BLOCKS = 240
 CORRELATION_TIMES = 5.0
-_AR_ORDER = 6
 # logs from which on a fold is a log, and kinds of motion where there are fewer
 LOGS, KINDS = 3, 4
-# times that the blocks are cut into two halves
-_HALVES = 50
 
 
 class Folds(NamedTuple):
@@ -137,7 +133,7 @@ def halves(count: int, rng: np.random.Generator) -> Array:
 
     Source: Shah and Samworth (2013).
     """
-    first = [rng.permutation(count) < count // 2 for _ in range(_HALVES)]
+    first = [rng.permutation(count) < count // 2 for _ in range(50)]
     return np.array([half for chosen in first for half in (chosen, ~chosen)], dtype=float)
 
 
@@ -165,10 +161,10 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
         U: shape (n, k). residual: shape (n,). Both contain the logs in order.
         noise: variance of white noise with the spectral density of the torque instrument.
     """
-    lags = np.zeros(_AR_ORDER + 1)
+    lags = np.zeros(6 + 1)
     parts = [residual[log_index == i] for i in np.unique(log_index)]
     for e in parts:
-        lags += [float(e[k:] @ e[: len(e) - k]) for k in range(_AR_ORDER + 1)]
+        lags += [float(e[k:] @ e[: len(e) - k]) for k in range(len(lags))]
     if lags[0] <= 0.0:
         return U
     # a little more keeps the filter tame where the spectrum has deep holes
@@ -191,7 +187,7 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
     logs = np.unique(log_index)
     longest = max(correlation_time(e[log_index == i]) for i in logs)
     n = len(e)
-    length = int(np.clip(CORRELATION_TIMES * longest, n / _MOST_BLOCKS, n / FEWEST_BLOCKS))
+    length = int(np.clip(CORRELATION_TIMES * longest, n / 240, n / FEWEST_BLOCKS))
     of_sample = np.empty(n, dtype=np.int64)
     log: list[int] = []
     halves: list[int] = []

@@ -37,8 +37,6 @@ from frictionjoint.threads import side_by_side, threads_here
 # step of such a number over that: the kernels of effects carry no tangents of their own, and a gap
 # or a stop has none at an impact
 _STEP = 0.015
-# of H along a law's tangent
-_SMALL = 1e-4
 
 
 class Balance:
@@ -217,7 +215,7 @@ class Balance:
                     driven = self._driven(terms, i)
                     found.append(self._parts[i].balanced(driven, delay_of(terms), 1))
                     continue
-                h = _STEP * reach if np.isfinite(reach) else _SMALL
+                h = _STEP * reach if np.isfinite(reach) else 1e-4
                 ends = [term.with_shape(_with(term.free_shape, j, x + d)) for d in (h, -h)]
                 own = beta[self.layout.coefficients(k)]
                 logs = list(zip(self._parts[i].logs, along, strict=True))
@@ -258,7 +256,7 @@ class Balance:
                 for j, tangent in enumerate(dH[:, own]):
                     # these columns are linear in H, but for a bound on it; a tangent of next to
                     # nothing needs no step without end
-                    h = _SMALL / max(float(np.abs(tangent).max()), _SMALL)
+                    h = 1e-4 / max(float(np.abs(tangent).max()), 1e-4)
                     signals[:, H] = level + h * tangent
                     torque[j, own] += (torque_of(term, s, signals, weights) - here) / h
         return found + part.kept(torque)

@@ -36,8 +36,8 @@ from frictionjoint.identify.segment import Prepared, Segment
 MOST_LEFT = 0.95
 # Standard errors from which on a sign is wrong; good logs are on the right side of zero.
 SURE = 5.0
-# Samples that the balance is solved on, and blocks of them that count as independent.
-_SAMPLES, _BLOCKS = 6000, 30
+# Blocks of the samples that count as independent.
+_BLOCKS = 30
 
 
 class Balance(NamedTuple):
@@ -278,7 +278,7 @@ def _hint(prepared: Prepared, b: Balance) -> str:
 
 
 def _balance(prepared: Prepared) -> Balance:
-    thin = prepared.thinned(_SAMPLES)
+    thin = prepared.thinned(6000)
     top = top_speed(thin.segments)
     rows = [_of_segment(s, top) for s in thin.segments]
     motion, other, drive = (np.concatenate(part) for part in zip(*rows, strict=True))

@@ -10,8 +10,6 @@ from frictionjoint.identify.nonsmooth_errors import with_leaps
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.uncertainty import covariance
 
-_RESAMPLES = 400
-
 
 def stated_covariance(prepared: Prepared, fitted: Fit) -> Array:
     """Covariance of a fit's parameters for the report, by its own blocks.
@@ -31,7 +29,7 @@ def rms_interval(e: Array, block: NDArray[np.int64]) -> tuple[float, float]:
     rng = np.random.default_rng(0)
     _, block = np.unique(block, return_inverse=True)
     sums, counts = np.bincount(block, e**2), np.bincount(block)
-    draws = rng.integers(0, len(sums), size=(_RESAMPLES, len(sums)))
+    draws = rng.integers(0, len(sums), size=(400, len(sums)))
     sample = np.sqrt(sums[draws].sum(axis=1) / counts[draws].sum(axis=1))
     low, high = np.quantile(sample, (0.025, 0.975))
     return float(low), float(high)

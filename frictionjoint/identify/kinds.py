@@ -5,8 +5,6 @@ from scipy.cluster.vq import kmeans2
 
 from frictionjoint.arrays import Array, Index
 
-_TRIES = 4
-
 
 def kinds_of(rows: Array, most: int) -> Index:
     """Group of each row by k-means with normalised columns; the best of a few starts.
@@ -20,7 +18,7 @@ def kinds_of(rows: Array, most: int) -> Index:
     scaled = (rows - rows.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)
     count = min(most, len(np.unique(scaled, axis=0)))
     tries = []
-    for seed in range(_TRIES):
+    for seed in range(4):
         centres, found = kmeans2(scaled, count, iter=100, minit="++", rng=seed)
         tries.append((float(np.sum((scaled - centres[found]) ** 2)), seed, found))
     return np.asarray(min(tries)[2], dtype=np.int64)

@@ -25,9 +25,6 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.identify.terms import Term
 
-# least and largest displacement of elements to slipping, as fractions of the travel
-_SHORTEST, _LONGEST = 1e-5, 0.1
-
 
 @dataclass(frozen=True)
 class LinearLaw:
@@ -72,12 +69,12 @@ class LawBasis:
     def reaches(self) -> Array:
         """Displacements from rest to slipping of the elements, rad (m), shape (k,).
 
-        The least one is what the position resolves.
+        The least one is what the position resolves, the largest a tenth of the travel.
         """
         span = self.prepared.span
         resolved = max(s.noise.resolution for s in self.prepared.segments)
-        least = min(max(_SHORTEST * span, resolved), 0.1 * _LONGEST * span)
-        return np.geomspace(least, _LONGEST * span, ELEMENTS)
+        least = min(max(1e-5 * span, resolved), 0.1 * 0.1 * span)
+        return np.geomspace(least, 0.1 * span, ELEMENTS)
 
     @cached_property
     def columns(self) -> Array:

@@ -16,9 +16,6 @@ _KNOTS = (0.5, 0.8, 0.98)
 # speeds at which the level is evaluated, and possible Stribeck velocities, as fractions of the top
 # speed
 _SPEEDS, _VELOCITIES = np.geomspace(1e-3, 0.5, 60), np.geomspace(2e-3, 0.25, 25)
-_EXPONENTS = (0.6, 0.8, 1.0, 1.4, 2.0)
-# least Fs / Fc - 1 of a start, so that a search can adjust the Stribeck velocity and exponent
-_LEAST_RISE = 0.02
 
 
 @dataclass(frozen=True)
@@ -62,8 +59,10 @@ def falls(speed: Array) -> Array:
 
 def _stribeck(level: Array) -> tuple[float, float, float]:
     """Fit of a Stribeck curve to a level: Fs / Fc - 1, Vs over the top speed, and delta."""
-    best = (np.inf, _LEAST_RISE, 0.05, 1.0)
-    for delta in _EXPONENTS:
+    # from the least Fs / Fc - 1 on, a search can adjust the Stribeck velocity and exponent
+    least = 0.02
+    best = (np.inf, least, 0.05, 1.0)
+    for delta in (0.6, 0.8, 1.0, 1.4, 2.0):
         fall = np.exp(-((_SPEEDS / _VELOCITIES[:, None]) ** delta))
         deviation = fall - fall.mean(axis=1, keepdims=True)
         rise = deviation @ level / np.sum(deviation**2, axis=1)
@@ -72,7 +71,7 @@ def _stribeck(level: Array) -> tuple[float, float, float]:
         left[(Fc <= 0.0) | (rise < 0.0)] = np.inf
         k = int(np.argmin(left))
         if left[k] < best[0]:
-            best = left[k], max(float(rise[k] / Fc[k]), _LEAST_RISE), _VELOCITIES[k], delta
+            best = left[k], max(float(rise[k] / Fc[k]), least), _VELOCITIES[k], delta
     return best[1], float(best[2]), best[3]
 
 

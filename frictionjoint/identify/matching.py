@@ -20,11 +20,6 @@ from frictionjoint.measured.validate import check_time
 from frictionjoint.measured.velocity_check import speed_note
 from frictionjoint.model_files import ONE_DOF
 
-# Samples of a log, arrangements of the other joints, and poses of each, that are tried.
-_SAMPLES, _ARRANGEMENTS, _POSES = 12, 4, 3
-# Travel tried in each direction where the model has no limits: rad, m.
-_TURN, _SHIFT = np.pi, 0.3
-
 
 def check_logs(
     logs: Sequence[JointLog], body: RigidBody, held_out: Sequence[JointLog] = ()
@@ -166,8 +161,8 @@ def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
     if not open_ones:
         return []
     motion = differentiate(log)
-    k = np.linspace(0, len(motion.time) - 1, _SAMPLES).astype(int)
-    qpos, qvel, qacc = (np.tile(x, (_SAMPLES, 1)) for x in (model.qpos0, *np.zeros((2, model.nv))))
+    k = np.linspace(0, len(motion.time) - 1, 12).astype(int)
+    qpos, qvel, qacc = (np.tile(x, (len(k), 1)) for x in (model.qpos0, *np.zeros((2, model.nv))))
     for name in _of(log, body):
         address = int(model.jnt_qposadr[model.joint(name).id])
         qpos[:, address] = np.interp(motion.time[k], log.time, log.other_positions[name])
@@ -177,13 +172,14 @@ def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
     rng = np.random.default_rng(0)
     hinges = [j for j in open_ones if int(model.jnt_type[j]) in ONE_DOF]
     change, size = dict.fromkeys(open_ones, 0.0), 0.0
-    for _ in range(_ARRANGEMENTS):
+    # three poses of each joint, next to four arrangements of the others
+    for _ in range(4):
         for j in hinges:
             _move(model, j, qpos, rng)
         load = _load(body, qpos, qvel, qacc)
         size = max(size, root_mean_square(load))
         for j in open_ones:
-            for _ in range(_POSES):
+            for _ in range(3):
                 moved = qpos.copy()
                 _move(model, j, moved, rng)
                 change[j] = max(change[j], root_mean_square(_load(body, moved, qvel, qacc) - load))
@@ -203,7 +199,8 @@ def _move(model: mujoco.MjModel, j: int, qpos: Array, rng: np.random.Generator) 
         turn = rng.standard_normal(4)
         qpos[:, address : address + 4] = turn / np.linalg.norm(turn)
         return
-    reach = _SHIFT if kind == SLIDE else _TURN
+    # m, or rad, where the model has no limits
+    reach = 0.3 if kind == SLIDE else np.pi
     middle = float(model.qpos0[address])
     low, high = (middle - reach, middle + reach)
     if model.jnt_limited[j]:

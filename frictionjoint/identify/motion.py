@@ -12,10 +12,6 @@ from frictionjoint.measured.derivatives import HIGHEST, on_a_grid, uniform_motio
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import LowPass, steep
 
-# s, the longest step of the grid on which laws are driven: a reversal between two samples of it is
-# blurred. A slow log is not refined at any cost.
-_STEP_S, _MOST_REFINED = 2.5e-3, 16
-
 
 class Motion(NamedTuple):
     """A log's motion on a uniform grid, rad and s, or m and s.
@@ -51,9 +47,12 @@ def motion_of(log: JointLog, body: RigidBody, corner_hz: float, held: bool) -> M
             acceleration must account for.
     """
     raw_time, raw, sample = on_a_grid(log)
+    # s: laws are driven along steps of the grid, and a reversal between two samples is blurred
+    longest = 2.5e-3
     # samples per period of the motion's corner
-    finest = min(_STEP_S, 1.0 / (2.5 * corner_hz))
-    step, up = max(1, int(finest / sample)), min(_MOST_REFINED, -int(-sample // _STEP_S))
+    finest = min(longest, 1.0 / (2.5 * corner_hz))
+    # a slow log is not refined at any cost
+    step, up = max(1, int(finest / sample)), min(16, -int(-sample // longest))
     corner = min(corner_hz, HIGHEST / sample)
     smooth = LowPass(len(raw_time), sample, corner, steep, step, up)
     dt = sample * step / up

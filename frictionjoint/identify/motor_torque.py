@@ -14,9 +14,6 @@ from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.terms import EffectTerm, Term
 
-# solutions after the first, which knows no torque: torque and coefficients change each other little
-_MORE = 3
-
 
 def follows_motor(term: Term) -> bool:
     """Whether the column of a term depends on the motor torque."""
@@ -25,7 +22,8 @@ def follows_motor(term: Term) -> bool:
 
 def solutions(terms: tuple[Term, ...]) -> int:
     """Number of solutions for the coefficients until the motor torque is consistent with them."""
-    return 1 + _MORE * any(follows_motor(term) for term in terms)
+    # the first knows no torque; torque and coefficients change each other little
+    return 1 + 3 * any(follows_motor(term) for term in terms)
 
 
 def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment]) -> Array:

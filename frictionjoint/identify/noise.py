@@ -21,16 +21,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.measured.derivatives import SAME_POSITION
 from frictionjoint.measured.lowpass import gentle, steep
 
-# part of the spectrum that is taken to hold noise alone, over the sampling frequency
-_ABOVE = (0.25, 0.45)
-_WINDOW = 4096
-# counts up to which two positions are near, and how far from whole numbers of them they may lie:
-# any differences lie a quarter off on average
-_NEAR, _WHOLE = 50.0, 0.05
-# of a load's spectrum: periods of the balance's corner that it resolves; where its noise is read,
-# over the corner of the motion; lines that are averaged
-_PERIODS, _NOISE_FROM, _AROUND = 20.0, 0.6, 9
-
 
 @dataclass(frozen=True)
 class Noise:
@@ -86,7 +76,8 @@ def density_above(x: Array, dt: float) -> float:
     # spectra of two is 1/36 (Welch 1967)
     window = min(len(x), 1024)
     f, power = welch(x, 1.0 / dt, nperseg=window, detrend="linear")
-    above = (f >= _ABOVE[0] / dt) & (f <= _ABOVE[1] / dt)
+    # these frequencies are taken to hold noise alone
+    above = (f >= 0.25 / dt) & (f <= 0.45 / dt)
     if not above.any():
         return 0.0
     pieces = (len(x) - window) // (window - window // 2) + 1
@@ -107,8 +98,9 @@ def count_of(position: Array) -> float:
     if not apart.size:
         return 0.0
     step = float(np.mean(apart[apart < 1.5 * apart.min()]))
-    counts = apart[apart < _NEAR * step] / step
-    whole = np.abs(counts - np.round(counts)).mean() < _WHOLE
+    # near ones; any differences lie a quarter off whole numbers on average
+    counts = apart[apart < 50.0 * step] / step
+    whole = np.abs(counts - np.round(counts)).mean() < 0.05
     return step if whole and len(counts) > 0.5 * len(apart) else 0.0
 
 
@@ -125,7 +117,7 @@ def noise_of(
     error = np.zeros_like(smooth)
     if count > 0.0:
         error = np.round((smooth - position[0]) / count) * count + position[0] - smooth
-    n = min(len(error), _WINDOW)
+    n = min(len(error), 4096)
     f, made = welch(error, 1.0 / dt, nperseg=n, detrend="constant")
     level = np.maximum(made, density_above(position, dt))
     return Noise(density_above(drive, dt), f, level, inertia, count)
@@ -138,16 +130,17 @@ def corner_above_noise(torque: Array, dt: float, bandwidth_hz: float, corner_hz:
         torque: shape (n,), every dt s. bandwidth_hz: corner of the balance. corner_hz: of the
             motion that it was computed from.
     """
-    window = min(len(torque), int(_PERIODS / (bandwidth_hz * dt)))
+    # 20 periods of the balance's corner
+    window = min(len(torque), int(20.0 / (bandwidth_hz * dt)))
     f, power = welch(torque, 1.0 / dt, nperseg=window)
     inside = (f > 0.0) & (f <= corner_hz)
     f, power = f[inside], power[inside]
     ratio = f / corner_hz
     # white noise of a position is one of the acceleration that grows as the fourth power of
     # the frequency; near the corner of the motion there is almost nothing else
-    growing, top = steep(ratio) ** 2 * ratio**4, ratio > _NOISE_FROM
+    growing, top = steep(ratio) ** 2 * ratio**4, ratio > 0.6
     noise = growing * (np.median(power[top] / growing[top]) if top.any() else 0.0)
     # up to where half of the power is noise for the first time, whatever lines lie beyond; the
     # spectrum of a repeated motion has gaps
-    around = uniform_filter1d(power - 2.0 * noise, _AROUND, mode="nearest")
+    around = uniform_filter1d(power - 2.0 * noise, 9, mode="nearest")
     return float(np.append(f[around <= 0.0], corner_hz)[0])

@@ -10,10 +10,6 @@ from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.search import Search
 from frictionjoint.identify.segment import Prepared
 
-# distances tried, over the number: half a standard error to start with, and the most
-_MORE, _MOST = 2.0**0.5, 0.5
-_LEAST = 1e-4
-
 
 def with_leaps(
     prepared: Prepared, fitted: Fit, cov: Array, block_of_sample: NDArray[np.int64]
@@ -45,14 +41,15 @@ def _farthest(search: Search, fitted: Fit, k: int, error: float, block: NDArray[
     here = _left(search, Q, x, block)
     longest = 0.0
     for sign in (-1.0, 1.0):
-        way = max(0.5 * error, _LEAST * abs(x[k]))
-        while way < _MOST * abs(x[k]):
+        # from half a standard error up to half of the number
+        way = max(0.5 * error, 1e-4 * abs(x[k]))
+        while way < 0.5 * abs(x[k]):
             there = x.copy()
             there[k] = np.clip(x[k] + sign * way, *(b[k] for b in search.bounds))
             more = _left(search, Q, there, block) - here
             if more.sum() <= np.std(more) * np.sqrt(len(more)):
                 longest = max(longest, way)
-            way *= _MORE
+            way *= 2.0**0.5
     return longest
 
 

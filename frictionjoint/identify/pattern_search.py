@@ -11,9 +11,6 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 
-# the first steps and the last ones, over the numbers
-_FIRST, _LAST = 0.16, 0.002
-
 
 def pattern_search(
     squares: Callable[[Array], float], x: Array, axes: Sequence[int], low: Array, high: Array
@@ -24,8 +21,8 @@ def pattern_search(
         squares: function to minimise. x: start, shape (p,). axes: indices of the free numbers.
         low, high: bounds, shape (p,).
     """
-    x, least, step = x.copy(), squares(x), _FIRST
-    while step > _LAST:
+    x, least, step = x.copy(), squares(x), 0.16
+    while step > 0.002:
         moved = False
         for k in axes:
             for factor in (1.0 + step, 1.0 / (1.0 + step)):

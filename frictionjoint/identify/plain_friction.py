@@ -9,8 +9,6 @@ from frictionjoint.effects.signals import Q, V
 from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.smooth import elastic_plastic
 
-# speed over the top speed below which friction is changing its side
-_TURNS = 0.02
 # displacements over the travel at which the elastic-plastic elements of friction slip
 _REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
 
@@ -30,6 +28,7 @@ def plain_friction(s: Segment, top: float) -> Array:
         top: speed, rad/s (m/s).
     """
     q, v = s.signals[:, Q], s.signals[:, V]
-    side = np.clip(v / (_TURNS * top), -1.0, 1.0)
+    # below 2% of the top speed friction is changing its side
+    side = np.clip(v / (0.02 * top), -1.0, 1.0)
     reaches = _REACHES * (float(np.ptp(q)) or 1.0)
     return np.column_stack([side, elastic_plastic(np.ascontiguousarray(q), reaches)])

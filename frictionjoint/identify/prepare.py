@@ -40,10 +40,6 @@ from frictionjoint.measured.derivatives import LEAST_HZ, motion_band, on_a_grid,
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import REACH
 
-# the largest corner of the balance, Hz. Friction and the effects of the catalogue act below; above
-# only time is spent.
-_MOST_HZ = 60.0
-
 
 def prepare(
     logs: list[JointLog],
@@ -111,7 +107,8 @@ def _may_be_held(segments: Sequence[Segment], band: Band) -> bool:
 
 def _balance_hz(segments: Sequence[Segment], main: float, motion: float) -> float:
     """Corner of the balance: as high as the noise allows, but high enough for the motion."""
-    most = min(_MOST_HZ, motion / 2.0)
+    # friction and the effects of the catalogue act below 60 Hz; above only time is spent
+    most = min(60.0, motion / 2.0)
     least = min(max(LEAST_HZ, main), most)
     slowest = max(s.sample for s in segments)
     # 16 samples per period of the corner: a torque that a controller holds for a sample is lower by

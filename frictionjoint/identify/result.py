@@ -12,8 +12,6 @@ from frictionjoint.parameter_meanings import UNITS
 from frictionjoint.parameters import Friction
 
 _LINEAR = ("Fc", "sigma2", "sigma1")
-# Fs / Fc - 1 up to which friction counts as flat
-_FLAT = 1e-3
 _DRIVE_UNITS = {"current": "A", "voltage": "V"}
 # standard error over the value beyond which logs do not determine a parameter
 LOOSE = 0.5
@@ -121,7 +119,7 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
                 gradients[name][i] = (value - values[name]) / h
     # Fs and Vs mean little where friction barely rises above the Coulomb level
     rises = [x / values["Fc" + name[2:]] for name, x in values.items() if name[:2] == "Fs"]
-    flat = bool(rises) and max(rises) <= 1.0 + _FLAT
+    flat = bool(rises) and max(rises) <= 1.0 + 1e-3
     units, shape = units_of(fitted, slide), fitted.shape
     assumptions = {"stiffness": shape.stiffness_assumed, "Fs": shape.breakaway_assumed}
     found = {}

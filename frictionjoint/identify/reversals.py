@@ -16,8 +16,8 @@ from frictionjoint.arrays import Array, Index
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.signals import TIME, Q, V
 
-# points a step around a reversal, and steps before and after that of the reversal
-_POINTS, _BEFORE, _AFTER = 8, 1, 2
+# points a step around a reversal
+_POINTS = 8
 # weights of the points of a mean over a step: the trapezoidal rule
 _RULE = np.full(_POINTS + 1, 1.0 / _POINTS)
 _RULE[[0, -1]] *= 0.5
@@ -55,7 +55,8 @@ def path_of(signals: Array, resolution: float) -> Path:
     if not len(turns):
         return Path(time, q, np.arange(n), np.zeros(n, dtype=bool))
     fine = np.zeros(n - 1, dtype=bool)
-    for k in range(-_BEFORE, _AFTER + 1):
+    # one step before that of the reversal, and two after it
+    for k in range(-1, 3):
         fine[np.clip(turns + k, 0, n - 2)] = True
     steps = np.flatnonzero(fine)
     extra = (time[steps, None] + step * np.arange(1, _POINTS) / _POINTS).ravel()

@@ -38,8 +38,6 @@ _DAMPED = ("lugre", "elastoplastic", "maxwell_slip")
 # Maxwell-slip elements: equal fractions of the level, slip displacements in a geometric row from
 # `length` to `reach` times it
 ELEMENTS = 8
-# starts of the speed at which a static law has risen to its level, over that in `_START`
-_PARTS = (0.1, 1.0, 3.0)
 _START = {
     "excess": 0.2,
     "log Vs": 0.0,
@@ -116,9 +114,10 @@ class RivalShape:
         numbers = np.array(
             [common.get(name, x) for name, x in zip(self.variables, self.numbers, strict=True)]
         )
-        # a static law has a speed where the others have a length, which no length tells
-        own = "log length" if "log length" in self.variables else "log V0 over Vs"
-        steps = np.log(STIFFER if own == "log length" else _PARTS)
+        own, steps = "log length", np.log(STIFFER)
+        if own not in self.variables:
+            # a static law has a speed at which it has risen to its level, which no length tells
+            own, steps = "log V0 over Vs", np.log((0.1, 1.0, 3.0))
         moves = self.variables.index(own) == np.arange(len(numbers))
         return [self.moved(numbers + step * moves) for step in steps]
 

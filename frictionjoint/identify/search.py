@@ -30,9 +30,6 @@ from frictionjoint.identify.swing import swings, swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, is_wave, leaps
 from frictionjoint.threads import one_thread
 
-# fraction of a range within which a search has arrived at the range's end
-_ON_BOUND = 1e-4
-_MOST_STEPS = 20
 # relative change of the squares at which a search ends
 CLOSE, ROUGH = 1e-6, 1e-3
 # least that a drive may come to: to compare errors over it
@@ -60,7 +57,7 @@ def refit(
     terms: tuple[Term, ...],
     start: Shape,
     closeness: float = CLOSE,
-    steps: int = _MOST_STEPS,
+    steps: int = 20,
 ) -> Fit:
     """Fit the terms and a law from one start.
 
@@ -415,5 +412,5 @@ class Search:
         ]
 
     def _near_bound(self, x: Array) -> NDArray[np.bool_]:
-        near = _ON_BOUND * (self.bounds[1] - self.bounds[0])
+        near = 1e-4 * (self.bounds[1] - self.bounds[0])
         return (x - self.bounds[0] <= near) | (self.bounds[1] - x <= near)

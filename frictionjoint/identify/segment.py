@@ -27,9 +27,8 @@ from frictionjoint.identify.tracks import Start
 from frictionjoint.measured.derivatives import HIGHEST
 from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, gentle, places, steep
 
-# samples in a period of the balance's corner, in a fit and in a coarse search: with less than four
-# what the filter passes is folded back
-A_BALANCE, _A_COARSE = 4.0, 32.0
+# samples in a period of the balance's corner: with less, what the filter passes is folded back
+A_BALANCE = 4.0
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
 
@@ -343,7 +342,7 @@ def _lowpass(n: int, dt: float, corner_hz: float, step: int) -> LowPass:
 def _thinned(s: Segment, factor: float) -> Segment:
     """A log in a narrower band, on a coarser grid."""
     bandwidth_hz = s.bandwidth_hz / factor
-    step = max(1, int(1.0 / (s.dt * _A_COARSE * bandwidth_hz)))
+    step = max(1, int(1.0 / (s.dt * 32.0 * bandwidth_hz)))
     smooth = LowPass(len(s.drive), s.dt, min(4.0 * bandwidth_hz, HIGHEST / s.dt), steep, step)
     signals = s.signals[::step].copy()
     signals[1:, DT] = dt = s.dt * step

@@ -26,13 +26,10 @@ from frictionjoint.identify.terms import Term
 from frictionjoint.measured.lowpass import REACH
 from frictionjoint.threads import side_by_side
 
-# trial torques at the first sample over Fc, and how near to the best one is near enough
-_TRIALS, _NEAR = np.linspace(-1.5, 1.5, 7), 0.01
+# trial torques at the first sample over Fc
+_TRIALS = np.linspace(-1.5, 1.5, 7)
 # fraction of a log's squares that another start must take away
 _TELLS = 0.01
-# H of two starts that have become the same
-_ALIKE = 1e-3
-_PASSES = 2
 
 
 def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
@@ -54,7 +51,7 @@ def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
 
 def settled(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
     """A fit and the initial friction states of its logs, estimated alternately."""
-    for _ in range(_PASSES):
+    for _ in range(2):
         begun = with_starts(prepared, fitted)
         if begun is prepared:
             break
@@ -85,7 +82,7 @@ def _starts(prepared: Prepared, fitted: Fit) -> list[float]:
             lambda held: _squares(mine - (_of_law(one, fitted, np.array([held])) - its)),
             bounds=(best[i] - step, best[i] + step),
             method="bounded",
-            options={"xatol": _NEAR},
+            options={"xatol": 0.01},
         )
         return float(found.x) if own[i] - found.fun > _TELLS * whole[i] else float(known[i])
 
@@ -161,7 +158,7 @@ def _heads(prepared: Prepared, shape: Shape) -> tuple[Segment, ...]:
     (whole,) = prepared.bundles(1)
     sides = [np.full(len(prepared), x) for x in _TRIALS[[0, -1]]]
     first, last = (whole.tracks.begun(held).along(shape)[0] for held in sides)
-    apart = np.abs(last - first) > _ALIKE
+    apart = np.abs(last - first) > 1e-3
     return tuple(
         _head(s, np.flatnonzero(apart[own]))
         for s, own in zip(whole.logs, whole.places, strict=True)

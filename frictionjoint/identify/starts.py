@@ -23,8 +23,8 @@ from frictionjoint.threads import one_thread, side_by_side
 
 # samples that a coarse look is at
 COARSE = 1500
-# steps of a search that only compares, and of the best form to the end
-COMPARING_STEPS, _LAST_STEPS = 8, 15
+# steps of a search that only compares
+COMPARING_STEPS = 8
 
 
 @one_thread
@@ -43,14 +43,14 @@ def fit(
     followed = _followed(screened_starts(prepared, terms, forms))
     # the two best forms, if the second costs at most twice as much
     finalists = [p for p in followed if p.cost <= 2.0 * followed[0].cost][:2]
-    final = []
+    final, steps = [], 15
     for place in finalists:
         shape, moved = place.search.split(place.x)
         search = Search(prepared, moved, nearer(prepared, moved, shape.last_choices()))
-        final.append(search.run(search.start, _LAST_STEPS, ROUGH))
+        final.append(search.run(search.start, steps, ROUGH))
     best = best_of(final, lambda place: place.cost)
-    found = best.search.run(best.x, _LAST_STEPS, CLOSE)
-    return with_parts(prepared, found.search.result(found.x), _LAST_STEPS, CLOSE)
+    found = best.search.run(best.x, steps, CLOSE)
+    return with_parts(prepared, found.search.result(found.x), steps, CLOSE)
 
 
 def law_alone(

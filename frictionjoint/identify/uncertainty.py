@@ -32,11 +32,6 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.segment import Prepared
 
-# regimes: equally filled ranges of speed, each in both directions
-_SPEEDS = 6
-# Fraction of what is known of a direction that a group may hold before leaving it out is no small
-# change any more, and the first order no answer.
-_MOST = 0.9
 _RCOND = 1e-10
 
 
@@ -71,7 +66,8 @@ def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int6
 def regimes(prepared: Prepared) -> NDArray[np.int64]:
     """Range of speed and direction that each kept sample belongs to, shape (n,)."""
     v = prepared.at_kept(V)
-    edges = np.quantile(np.abs(v), np.arange(1, _SPEEDS) / _SPEEDS)
+    # six equally filled ranges of speed, each in both directions
+    edges = np.quantile(np.abs(v), np.arange(1, 6) / 6)
     return np.asarray(2 * np.digitize(np.abs(v), edges) + (v > 0.0), dtype=np.int64)
 
 
@@ -90,7 +86,8 @@ def _jackknife(Y: Array, e: Array, group: NDArray[np.int64]) -> Array:
     moves = []
     for y, own in _parts(Y, e, group):
         share, U = eigh(y.T @ y)
-        moves.append(U @ ((U.T @ (y.T @ own)) / (1.0 - np.minimum(share, _MOST))))
+        # without more than 90% of what is known of a direction the first order is no answer
+        moves.append(U @ ((U.T @ (y.T @ own)) / (1.0 - np.minimum(share, 0.9))))
     n = len(moves)
     D = np.array(moves)
     return np.asarray(D.T @ D * ((n - 1) / n))

@@ -21,8 +21,8 @@ from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
 from frictionjoint.identify.segment import Segment
 
-# delays of the drive that may go with either, in samples, and how near to a half is one
-_LATE, _NEAR = np.linspace(-0.5, 2.0, 26), 0.15
+# delays of the drive that may go with either, in samples
+_LATE = np.linspace(-0.5, 2.0, 26)
 
 
 def of_acceleration(omega: Array, sample: float) -> Array:
@@ -48,7 +48,7 @@ def holds(smooth: Sequence[Segment], held: Sequence[Segment]) -> bool:
         smooth, held: the same logs, prepared without and with the corrections.
     """
     without, left = _left(smooth), _left(held)
-    half = abs(_LATE[np.argmin(left)] - 0.5) <= _NEAR
+    half = abs(_LATE[np.argmin(left)] - 0.5) <= 0.15
     at_once = without[np.argmin(np.abs(_LATE))]
     return bool(half and left.min() < min(without.min(), (1.0 - CLEARLY) * at_once))
 

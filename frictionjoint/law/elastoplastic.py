@@ -24,7 +24,6 @@ from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
 from frictionjoint.law.stribeck import FC, stribeck_level
 
 SIGMA0, BREAKAWAY = OWN, OWN + 1
-_STEP = 0.04
 
 
 @in_line
@@ -54,7 +53,7 @@ def _transition(r: float, r_ba: float, a: float) -> float:
         if u + a >= 37.0:  # du/da >= 1
             return 1.0
         k1 = _slope(u, r_ba)
-        d = min(a, _STEP * math.exp(0.2 * u) / k1)
+        d = min(a, 0.04 * math.exp(0.2 * u) / k1)
         k2 = _slope(u + 0.5 * d * k1, r_ba)
         k3 = _slope(u + 0.5 * d * k2, r_ba)
         k4 = _slope(u + d * k3, r_ba)

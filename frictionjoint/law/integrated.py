@@ -52,8 +52,6 @@ from frictionjoint.law.transition import knot_torque, segment_of_torque, slope
 RESET_MARGIN = 1e-3
 # far more than `advance` and `distance` differ by
 SHORT = 1e-6
-# of the span of torques: lost in rounding
-LOST = 1e-13
 
 # Layout of P[p:]; a direction block is Fs, Fc, Vs, delta, sigma2 (see stribeck).
 LAMPAERT, MASING, EXPONENT, SIGMA1, POSITIVE = range(5)
@@ -316,8 +314,9 @@ def undisturbed(
             target = min(target, b + scale * knot_torque(P, k, j))
         if not wiped:
             target = min(target, reset_torque)
-        # the torque stays below the level, and rises at most by K; nearer to an event only exactly
-        below = S - LOST * span <= target or (r >= 0.0 and f + (1.0 + SHORT) * K * dx < target)
+        # the torque stays below the level but for rounding, and rises at most by K; nearer to an
+        # event only exactly
+        below = S - 1e-13 * span <= target or (r >= 0.0 and f + (1.0 + SHORT) * K * dx < target)
         usual = below or reached + SHORT * span < target
     else:
         usual = wiped and (j == 0 or reached - SHORT * span > b + scale * knot_torque(P, k, j - 1))

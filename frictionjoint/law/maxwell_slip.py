@@ -23,9 +23,6 @@ from frictionjoint.law.bristle import DIRECTION, FH, HEADER, OWN, RATE, side, to
 from frictionjoint.law.stribeck import stribeck_level
 
 ATTRACTION, N_ELEMENTS, ELEMENTS = OWN, OWN + 1, OWN + 2
-# of its level, where an element slips: one that comes back to it by the way that it left it stands
-# there but for rounding
-AT_LEVEL = 1.0 - 1e-12
 
 
 @in_line
@@ -59,7 +56,8 @@ def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: 
                 slips = True
             else:
                 f += k * dx
-                if f >= AT_LEVEL * level:
+                # one that comes back by the way that it left stands at its level but for rounding
+                if f >= (1.0 - 1e-12) * level:
                     f = level  # it stays there: the speed is constant
                     X[h + HEADER + i] = direction * f
                     X[h + HEADER + n + i] = 1.0

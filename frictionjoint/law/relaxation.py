@@ -21,11 +21,6 @@ _U_SATURATED = 37.0
 # less than one Newton solution.
 _SMALL_STEP = 0.05
 _SMALL = 8 * _SMALL_STEP
-# A Taylor step of sixth order of n*a and of a/r below these is exact to 1e-11, with one power.
-_TAYLOR_STEP, _TAYLOR_PART = 0.1, 0.05
-_MOST_TAYLOR_STEPS, _THIRD, _SIXTH = 4, 1.0 / 3.0, 1.0 / 6.0
-# As far above 1 a Taylor step does as well, as long as r**n is not much above 1 either.
-_ABOVE, _STEEP = 1.02, 0.25
 # Nearer to 1 than this a power of r is two terms of its binomial series, and the flow has a closed
 # form, to 1e-14.
 _NEAR = 1e-5
@@ -302,14 +297,17 @@ def _advance_fourth(r: float, a: float) -> float:
     off = math.log(ratio) + 2.0 * math.atan(y)
     slope = 1.0 + 2.0 * y / (1.0 + square)
     off /= slope - off * y * (1.0 - square) / ((1.0 + square) * (1.0 + square) * slope)
-    y *= 1.0 - off * (1.0 - 0.5 * off * (1.0 - _THIRD * off))
+    y *= 1.0 - off * (1.0 - 0.5 * off * (1.0 - 1.0 / 3.0 * off))
     return (1.0 - y) / (1.0 + y)
 
 
 @in_line
 def _taylor_steps(r: float, a: float, n: float) -> int:
-    """Steps that a small displacement from r > 0 takes."""
-    return 1 + int(max(n * a / _TAYLOR_STEP, a / (_TAYLOR_PART * r)))
+    """Steps that a small displacement from r > 0 takes.
+
+    A step of sixth order with n*a < 0.1 and a/r < 0.05 is exact to 1e-11.
+    """
+    return 1 + int(max(n * a / 0.1, a / (0.05 * r)))
 
 
 @compiled
@@ -328,15 +326,15 @@ def _advance_by_taylor(r: float, a: float, n: float) -> float:
         w1 = q * n * r1 * w0
         r2 = -0.5 * w1
         w2 = 0.5 * q * ((n - 1.0) * r1 * w1 + 2.0 * n * r2 * w0)
-        r3 = -_THIRD * w2
-        w3 = _THIRD * q * ((n - 2.0) * r1 * w2 + (2.0 * n - 1.0) * r2 * w1 + 3.0 * n * r3 * w0)
+        r3 = -(1.0 / 3.0) * w2
+        w3 = 1.0 / 3.0 * q * ((n - 2.0) * r1 * w2 + (2.0 * n - 1.0) * r2 * w1 + 3.0 * n * r3 * w0)
         r4 = -0.25 * w3
         w4 = (n - 3.0) * r1 * w3 + (2.0 * n - 2.0) * r2 * w2
         w4 = 0.25 * q * (w4 + (3.0 * n - 1.0) * r3 * w1 + 4.0 * n * r4 * w0)
         r5 = -0.2 * w4
         w5 = (n - 4.0) * r1 * w4 + (2.0 * n - 3.0) * r2 * w3 + (3.0 * n - 2.0) * r3 * w2
         w5 = 0.2 * q * (w5 + (4.0 * n - 1.0) * r4 * w1 + 5.0 * n * r5 * w0)
-        r += h * (r1 + h * (r2 + h * (r3 + h * (r4 + h * (r5 - h * _SIXTH * w5)))))
+        r += h * (r1 + h * (r2 + h * (r3 + h * (r4 + h * (r5 - h * (1.0 / 6.0) * w5)))))
     return r
 
 
@@ -358,14 +356,14 @@ def any_advance(r: float, a: float, n: float) -> float:
         return _advance_near_one(r, a, n)
     if n == 4.0 and r < 2.0 and (r > 1.0 or not plain):
         return _advance_fourth(r, a)
-    # S that falls leaves r a bit above 1
-    if 1.0 < r < _ABOVE and n * (r - 1.0) < _STEEP and n * a < _SMALL:
+    # S that falls leaves r a bit above 1; r**n must not be much above 1 either
+    if 1.0 < r < 1.02 and n * (r - 1.0) < 0.25 and n * a < _SMALL:
         return _advance_by_taylor(r, a, n)
     if r < 1.0 and plain:
         return _advance_small(r, a, n)
     if r < 1.0 and n * a < _SMALL:
         # r**n is not smooth at 0 for small n, which both ways need
-        if r > 0.01 and _taylor_steps(r, a, n) <= _MOST_TAYLOR_STEPS:
+        if r > 0.01 and _taylor_steps(r, a, n) <= 4:
             return _advance_by_taylor(r, a, n)
         if n >= 3.0:
             return _advance_small(r, a, n)

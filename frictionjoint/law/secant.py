@@ -27,9 +27,6 @@ SMALL = 1e-2
 REST = 1e-6
 # times the largest stiffness: a level that rises with the speed makes a secant steeper than that
 STEEPEST = 2.0
-# of the breakaway torque: by so much the torque at the expected end may miss
-CLOSE = 2e-2
-_TRIALS = 8
 
 
 @in_line
@@ -116,7 +113,7 @@ def implicit_step(
     low, at_low = 0.0, -r
     high, at_high = 0.0, 0.0
     K = stiffest
-    for i in range(_TRIALS):
+    for i in range(8):
         # rad/s: beyond, the law's search for events would not end
         if not w <= 1e10:
             break
@@ -124,7 +121,8 @@ def implicit_step(
         D = sigma1 * max(0.0, rate) + sigma2
         K = way * (end - now) / (h * w)
         miss = (J + h * (D + h * K)) * w - r
-        if abs(miss) <= CLOSE * h * Fs:
+        # the torque at the expected end may miss 2% of the breakaway torque
+        if abs(miss) <= 2e-2 * h * Fs:
             break
         if miss > 0.0:
             high, at_high = w, miss

@@ -10,7 +10,7 @@ torque, which a law driven by displacement does not know. In simulation |v| < V0
 of Fs / V0 and would never come to rest.
 
 So a simulation has the same level behind an elastic element: `elastic_step`, a spring that slips at
-S(v). It yields after `YIELD` seconds at V0, where the fitted curve has reached the level too.
+S(v). It yields after 1 ms at V0, where the fitted curve has reached the level too.
 
 The law itself has no memory: its result depends on the velocity at the end of the step only.
 """
@@ -21,8 +21,6 @@ from frictionjoint.law.bristle import DIRECTION, FH, NEGATIVE, OWN, POSITIVE, RA
 from frictionjoint.law.stribeck import FS, stribeck_level
 
 V0 = OWN
-# s
-YIELD = 1e-3
 
 
 @compiled
@@ -42,7 +40,7 @@ def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: 
 @compiled
 def stiffness(P: Vector, p: int) -> float:
     """Stiffness of the elastic element, N m/rad."""
-    return max(P[p + POSITIVE + FS], P[p + NEGATIVE + FS]) / (P[p + V0] * YIELD)
+    return max(P[p + POSITIVE + FS], P[p + NEGATIVE + FS]) / (P[p + V0] * 1e-3)
 
 
 @compiled

@@ -13,10 +13,6 @@ from frictionjoint.compiled import in_line
 FS, FC, VS, DELTA, SIGMA2 = range(5)
 # exp(-x) is zero to the last bit from here on, which takes the library long to find out
 ZERO = 746.0
-# and below this it is three terms of its series
-SLOW = 1e-5
-# from here on it is lost in rounding next to any Coulomb torque that is not tiny
-FAST, SMALL_PART = 50.0, 1e-5
 
 
 @in_line
@@ -33,8 +29,9 @@ def stribeck_level(P: Vector, d: int, speed: float) -> float:
         x = x * x
     elif delta != 1.0:
         x = x**delta
-    if x < SLOW:
+    if x < 1e-5:  # three terms of the series
         return Fs - (Fs - Fc) * (x - 0.5 * x * x)
-    if x > ZERO or (x > FAST and Fc > SMALL_PART * Fs):
+    # beyond 50 it is lost in rounding next to any Coulomb torque that is not tiny
+    if x > ZERO or (x > 50.0 and Fc > 1e-5 * Fs):
         return Fc
     return Fc + (Fs - Fc) * math.exp(-x)

@@ -33,11 +33,8 @@ Mask = NDArray[np.bool_]
 
 # kinds of one sort; more are no kinds but single logs
 _MOST_KINDS = 6
-# part of the positions that a band contains, and least standard error of one,
-# rad (m)
-BAND, _LEAST_WIDTH = 0.95, 1e-9
-# by how much wider logs may err: then all is as the prior has it
-_WIDEST = 1e4
+# part of the positions that a band contains
+BAND = 0.95
 
 
 def kinds(courses: Sequence[Course]) -> list[Mask]:
@@ -166,22 +163,24 @@ def missing_width(
     counts = [np.full(len(c.position), c.run.block[COUNT]) for c in objective.courses]
     kind, sample = np.nonzero(np.isfinite(errors))
     off, moves = errors[kind, sample], moves[sample]
-    half = np.maximum(0.5 * np.concatenate(counts)[sample], _LEAST_WIDTH)
+    # rad (m): the least standard error of a position; so far apart all is as the prior has it
+    least, widest = 1e-9, 1e4
+    half = np.maximum(0.5 * np.concatenate(counts)[sample], least)
 
     def missed(wider: float) -> float:
         squares = np.sum(moves @ cov(wider) * moves, axis=1)
-        width = np.sqrt(np.maximum(squares, _LEAST_WIDTH**2))
+        width = np.sqrt(np.maximum(squares, least**2))
         low, high = (ndtr((x - off) / width) for x in (-half, half))
         return BAND - EQUAL - float(np.mean(held(low, high)))
 
     if missed(1.0) <= 0.0:
         return 1.0
     most = 2.0
-    while missed(most) > 0.0 and most < _WIDEST:
+    while missed(most) > 0.0 and most < widest:
         most *= 2.0
     edge, few = 0.5 + 0.5 * BAND, len(of_logs(errors, objective.courses)) - 1
     student = float(stdtrit(few, edge) / ndtri(edge))
-    if most >= _WIDEST:
+    if most >= widest:
         return student * most
     return student * float(brentq(missed, 0.5 * most, most, rtol=1e-3))
 

@@ -13,8 +13,6 @@ from frictionjoint.threads import side_by_side
 
 # s, longest window: a stick that came too early is forgotten with it
 WINDOW_S = 1.0
-# error of a run gone astray, rad (m): it must not outweigh all others
-_ASTRAY = 10.0
 
 
 def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> list[Array]:
@@ -34,7 +32,8 @@ def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> li
         else:
             window = max(2, round(length / run.step))
             found = simulate(model, run, course.motion, window)
-        e = np.clip(course.at_samples(found) - course.position, -_ASTRAY, _ASTRAY)
+        # rad (m): a run gone astray must not outweigh all others
+        e = np.clip(course.at_samples(found) - course.position, -10.0, 10.0)
         return e if course.counts is None else np.where(course.counts, e, 0.0)
 
     with side_by_side() as each:

@@ -17,12 +17,6 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
 from frictionjoint.joint_friction import JointFriction
 
-# step of a derivative, in standard errors
-_STEP = 0.1
-# standard errors beyond which nothing is drawn, and the largest relative error that is
-_FURTHEST, _LARGEST = 3.0, 0.7
-# draws for each set wanted before a posterior is given up
-_TRIES = 100
 _PAIRS = ("pos", "neg")
 
 
@@ -78,11 +72,11 @@ class Posterior:
             except ParameterError:
                 return None
 
-        columns = []
+        columns, h = [], 0.1  # a step, in standard errors
         for move in moves:
-            up, down = (reached(values + d * move) for d in (_STEP, -_STEP))
+            up, down = (reached(values + d * move) for d in (h, -h))
             # at the end of a range there is one side alone, in its corner none
-            width = _STEP * ((up is not None) + (down is not None)) or 1.0
+            width = h * ((up is not None) + (down is not None)) or 1.0
             columns.append(
                 ((mean if up is None else up) - (mean if down is None else down)) / width
             )
@@ -102,11 +96,13 @@ class Posterior:
         mean = numbers_in(self.content)
         positive = _positive(self.content)
         found: list[JointFriction] = []
-        for _ in range(_TRIES * n):
-            z = np.clip(rng.standard_normal(self.factor.shape[1]), -_FURTHEST, _FURTHEST)
+        tries = 100 * n
+        for _ in range(tries):
+            # nothing is drawn beyond three standard errors
+            z = np.clip(rng.standard_normal(self.factor.shape[1]), -3.0, 3.0)
             step = self.factor @ z
             safe = np.where(mean != 0.0, mean, 1.0)
-            relative = np.clip(step / safe, -_FURTHEST * _LARGEST, _FURTHEST * _LARGEST)
+            relative = np.clip(step / safe, -3.0 * 0.7, 3.0 * 0.7)
             drawn = np.where(positive, mean * np.exp(relative), mean + step)
             try:
                 found.append(joint_friction(with_numbers(self.content, drawn)))
@@ -115,7 +111,7 @@ class Posterior:
             if len(found) == n:
                 return tuple(found)
         raise ParameterError(
-            f"of {_TRIES * n} sets drawn {len(found)} are possible: the logs determine too little"
+            f"of {tries} sets drawn {len(found)} are possible: the logs determine too little"
         )
 
     def to_dict(self) -> dict[str, Any]:

@@ -12,9 +12,6 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 
-# units of the prior by which a number is moved for a difference
-_STEP = 0.02
-
 
 class Secant:
     """Jacobian for a search, called at each accepted point.
@@ -65,9 +62,9 @@ def differences(
     residual: Callable[[Array], Array], bounds: tuple[Array, Array], z: Array, r: Array
 ) -> Array:
     """Derivatives of a residual, which is r at z, by differences within bounds, shape (n, p)."""
-    columns = []
+    columns, step = [], 0.02
     for i in range(len(z)):
-        h = _STEP if z[i] + _STEP <= bounds[1][i] else -_STEP
+        h = step if z[i] + step <= bounds[1][i] else -step
         moved = z.copy()
         moved[i] += h
         columns.append((residual(moved) - r) / h)

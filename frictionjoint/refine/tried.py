@@ -28,9 +28,6 @@ from frictionjoint.refine.secant import Secant
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import Course
 
-# rounds of a stage, and the fraction of the squares that each must take away
-_ROUNDS, _ENOUGH = 4, 2e-2
-
 
 class Tried:
     """Fitted numbers and their evidence, computed when first needed.
@@ -131,19 +128,19 @@ def _search(objective: Objective, x: Array) -> tuple[Array, Array]:
     """Numbers at the nearest least squares, and the derivatives there in units of the prior.
 
     A search with updated derivatives may end early; it is restarted with new differences until they
-    bring no improvement.
+    bring less than 2%.
     """
     bounds = objective.bounds
     z = np.clip(objective.units(x), *bounds)
     cost = 0.5 * float(np.sum(objective(z) ** 2))
     known = None
-    for _ in range(_ROUNDS):
+    for _ in range(4):
         secant = Secant(objective, bounds, known)
         found = least_squares(
             objective, z, jac=secant, bounds=bounds, max_nfev=MOST_STEPS, ftol=1e-3, xtol=1e-3
         )
         z, before, cost = found.x, cost, found.cost
-        if before - cost < _ENOUGH * cost:
+        if before - cost < 2e-2 * cost:
             break
         known = secant.last if secant.new else None
     return objective.numbers(z), np.asarray(found.jac)

@@ -18,8 +18,6 @@ from frictionjoint.identify.timing import DriveTiming, Timing
 # standard deviation of a prior from earlier logs: in their standard errors, which leave out what is
 # wrong in every log alike, and over the number itself
 PRIOR_ERRORS, PRIOR_SIZE = 10.0, 0.5
-# least of it over the number itself
-_LEAST = 0.05
 
 
 def with_term(prepared: Prepared, fitted: Fit, term: EffectTerm, coefficients: Array) -> Fit:
@@ -80,7 +78,7 @@ class Vector:
         for i in self._inertias:
             size[i] = max(size[i], max(inertia_of(s.signals, LOAD) for s in prepared.segments))
             error[i] = np.inf
-        self.unit: Array = np.clip(PRIOR_ERRORS * error, _LEAST * size, PRIOR_SIZE * size)
+        self.unit: Array = np.clip(PRIOR_ERRORS * error, 0.05 * size, PRIOR_SIZE * size)
         # a lag of nothing in the balance is as open as when in its steps a simulation acts
         for i, term in enumerate(fitted.terms):
             if isinstance(term, Timing):

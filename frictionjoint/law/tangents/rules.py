@@ -22,10 +22,6 @@ _distance = relaxation.distance
 _rate = relaxation.rate
 _remaining = dahl.remaining
 
-# Within this distance of the fixed point r = 1 rounding destroys the ratio of two rates, and the
-# flow is linear to the same accuracy. It is the square root of the relative spacing of doubles.
-_NEAR = 1.5e-8
-
 
 @in_line
 def stribeck_level(
@@ -66,7 +62,9 @@ def advance(r: float, r_t: Tangent, a: float, a_t: Tangent, n: float) -> tuple[f
     """Solution of dr/da = rate(r) after a displacement a from r, and its tangent."""
     end = _advance(r, a, n)
     at_end = _rate(end, n)
-    kept = at_end / _rate(r, n) if abs(1.0 - r) > _NEAR else math.exp(-n * a)
+    # Nearer to r = 1 than the square root of the spacing of doubles rounding destroys the ratio of
+    # the rates, and the flow is linear to the same accuracy.
+    kept = at_end / _rate(r, n) if abs(1.0 - r) > 1.5e-8 else math.exp(-n * a)
     return end, sum2(kept, r_t, at_end, a_t)
 
 

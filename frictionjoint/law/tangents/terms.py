@@ -8,7 +8,6 @@ from typing import Any
 
 # factor of each tangent, by the source text of the tangent
 Terms = dict[str, ast.expr]
-_MOST = 4
 
 
 def expression(source: str) -> Any:
@@ -49,8 +48,8 @@ def combined(terms: Terms) -> str:
     if not terms:
         return "ZERO"
     factors = list(terms.items())
-    if len(factors) > _MOST:
-        first, rest = combined(dict(factors[:_MOST])), combined(dict(factors[_MOST:]))
+    if len(factors) > 4:
+        first, rest = combined(dict(factors[:4])), combined(dict(factors[4:]))
         return f"sum2(1.0, {first}, 1.0, {rest})"
     if len(factors) > 1:
         return f"sum{len(factors)}({', '.join(f'{text(x)}, {tangent}' for tangent, x in factors)})"
