@@ -10,6 +10,7 @@ from test_cli import LOG, MODEL
 from trial_logs import quiet
 
 from frictionjoint.files import read_parameters
+from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -78,3 +79,17 @@ def test_the_command_writes_a_file_of_the_law(tmp_path):
     assert refused.returncode == 2
     assert "unknown law 'hertz'" in refused.stderr
     assert not (tmp_path / "no.toml").exists()
+
+
+def test_logs_that_hardly_exceed_the_stribeck_velocity_show_it(tmp_path):
+    """Slow motion: the speed stays below three times the Stribeck velocity."""
+    friction = Friction("lugre", Fs=FS, Fc=FC, Vs=VS, delta=2.0, sigma2=SIGMA2, presliding=0.004)
+    slow = tuple(Motion("sines", seed, 0.25, 0.22, 16.0) for seed in (3, 4))
+    paths = write(simulate(quiet(friction=friction, motions=slow)), tmp_path)
+    logs = prepare(
+        [read_log(p, "joint") for p in paths], RigidBody(tmp_path / "joint.xml", "joint")
+    )
+    assert logs.top_speed < 3.0 * VS
+    found = law_parameters(base_fit(logs, "integrated")[1])
+    assert found.Vs_pos == pytest.approx(VS, rel=0.1)
+    assert found.Fs_pos == pytest.approx(FS, rel=0.03)

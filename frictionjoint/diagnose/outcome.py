@@ -63,8 +63,8 @@ def finish_search(
     # a model without effects is the law alone
     if state.fit.effects or not_given:
         findings = _settled(state, replayed, by_motion, rng)
-    prepared, base = alone
-    base = with_assumptions(prepared, with_last_freedoms(prepared, base), stated_covariance)
+    prepared, base = with_last_freedoms(*alone)
+    base = with_assumptions(prepared, base, stated_covariance)
     if findings or not_given:
         state.fit = with_assumptions(state.prepared, state.fit, stated_covariance)
     else:
@@ -88,9 +88,9 @@ def _settled(
 ) -> tuple[Finding, ...]:
     """Fit the model to its end; the effects that it still needs, with their evidence."""
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
-    found = with_last_freedoms(state.prepared, state.fit)
+    prepared, found = with_last_freedoms(state.prepared, state.fit)
     if found is not state.fit:
-        state.fit = found
+        state.prepared, state.fit = prepared, found
         drop_idle(state)
     if by_motion and moving_nearest(state, replayed):
         drop_idle(state)

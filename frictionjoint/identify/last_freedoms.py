@@ -16,11 +16,15 @@ from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, IntegratedShape
+from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
 
 
-def with_last_freedoms(prepared: Prepared, fitted: Fit) -> Fit:
-    """Use each of these options if it clearly reduces the residual."""
+def with_last_freedoms(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    """Logs and fit with each of these options that clearly reduces the residual.
+
+    The law's error determines the weights of the samples, so they change with it.
+    """
     found = _with_sharp_sliding(prepared, fitted)
     for free in (IntegratedShape.with_damping, IntegratedShape.by_direction):
         shape = found.shape
@@ -29,7 +33,7 @@ def with_last_freedoms(prepared: Prepared, fitted: Fit) -> Fit:
         freed = refit(prepared, found.effects, free(shape), ROUGH)
         if _clearly_better(freed, found):
             found = _best_form(prepared, freed)
-    return fitted if found is fitted else refit(prepared, found.effects, found.shape)
+    return (prepared, fitted) if found is fitted else reweighed(prepared, found)
 
 
 def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:

@@ -112,7 +112,7 @@ def identify_law(
     prepared = prepare(read, bodies.of(read), controller=driven_by)
     check_balance(prepared)
     prepared, fitted = base_fit(prepared, law, progress)
-    fitted = with_last_freedoms(prepared, fitted)
+    prepared, fitted = with_last_freedoms(prepared, fitted)
     fitted = with_assumptions(prepared, fitted, stated_covariance)
     check_fit(prepared, fitted)
     if not scale_is_determined(prepared, fitted):

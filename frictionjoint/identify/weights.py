@@ -132,7 +132,7 @@ def _behind_filter(prepared: Prepared, fractions: Sequence[Array]) -> list[Array
     """Squares of sticking fractions after the filter of the balance."""
     squares = []
     for s, fraction in zip(prepared.segments, fractions, strict=True):
-        stuck = np.clip(fraction, 0.0, 1.0)
+        stuck = np.minimum(np.abs(fraction), 1.0)
         # slower than the encoder resolves, the direction of the next displacement is not known
         slowest = s.noise.resolution * 2.0 * np.pi * s.corner_hz
         stuck[np.abs(s.signals[:, V]) < slowest] = 1.0
