@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 import pytest
-from plants.spec import Motion
+from plants.spec import Friction, Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.trace import INTEGRATED_LAW
-from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.base_fit import base_fit
+from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.starts import fit
@@ -28,8 +30,28 @@ def test_a_law_that_is_asked_for_is_kept_and_the_others_are_compared(prepared, l
     worse = replace(base, residual=5.0 * base.residual)
     _, chosen = laws.follow(prepared, worse)
     assert law_parameters(chosen).law == law
-    compared = dict(laws.compared(prepared, base))
+    compared = dict(laws.compared(prepared, base).errors)
     assert law not in compared
     assert {"lugre", "maxwell_slip"} <= set(compared)
     lugre = refit(prepared, (), laws.shapes[forms_of("lugre")[0].variables], ROUGH)
     assert compared["lugre"] == pytest.approx(lugre.rms_in_motion)
+
+
+def test_a_breakaway_friction_that_hangs_on_the_law_is_not_certain(tmp_path):
+    """Fast reversals hardly show the breakaway: each law has one of its own, with small errors."""
+    friction = Friction("elasto-plastic", Fs=0.9, Fc=0.6, Vs=0.03, delta=2.0, sigma2=0.1)
+    motions = tuple(Motion("sines", seed, 0.6, 1.5, 12.0) for seed in (3, 4))
+    logs = prepared_logs(replace(PENDULUM, friction=friction, motions=motions), tmp_path)
+    logs, found = base_fit(logs, INTEGRATED_LAW)
+    alone = stated_covariance(logs, found)
+    laws = OtherLaws(logs, found).compared(logs, found)
+    assert laws.differences
+    narrow, wide = (
+        law_estimates(found, cov, False) for cov in (alone, alone + laws.covariance(found))
+    )
+    off = abs(wide["Fs_pos"].value - friction.Fs)
+    assert wide["Fs_pos"].stderr > 1.5 * narrow["Fs_pos"].stderr
+    assert off < 2.0 * wide["Fs_pos"].stderr
+    assert wide["Fc_pos"].stderr < 0.05 * friction.Fc
+    # no law shares the stiffness, and so none changes its error
+    assert wide["stiffness"].stderr == pytest.approx(narrow["stiffness"].stderr, rel=1e-3)

@@ -84,7 +84,7 @@ def nothing_is_missing(found):
     assert found.unexplained == ()
     # the others are compared with it
     assert law_parameters(found.final).law == "integrated"
-    assert "lugre" in dict(found.other_laws)
+    assert "lugre" in dict(found.other_laws.errors)
     (note,) = (n for n in notes(found, stated_covariance(found.prepared, found.final), True)
                if "smallest effect" in n)  # fmt: skip
     assert "too short" not in note

@@ -73,6 +73,7 @@ def explain(
     model = resulting_model(prepared, _search(prepared, seed, progress, law), refine, progress)
     found = model.trace
     cov = stated_covariance(found.prepared, found.final)
+    cov = cov + found.other_laws.covariance(found.final)
     left = errors_elsewhere(found.prepared, found.final, cov)
     kept_back = weighted(model.kept_back, found.final, left) if model.kept_back else None
     progress("simulating the logs")

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Self
 
 from frictionjoint.diagnose.moves import Look, Looked
+from frictionjoint.diagnose.other_laws import Comparison
 from frictionjoint.diagnose.sight import Sight
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, without_scale
@@ -91,7 +92,7 @@ class Trace:
             fraction of the squared residual that they explain.
         hints: possible causes of these, one sentence each.
         last_look: candidates against the final residual.
-        other_laws: error in motion of each other law with the same effects, N m, smallest first.
+        other_laws: the final effects with each other law.
         sight: the smallest detectable effect.
         not_given: measured torque that did not act.
     """
@@ -103,7 +104,7 @@ class Trace:
     unexplained: tuple[tuple[str, float], ...]
     hints: tuple[str, ...]
     last_look: Look
-    other_laws: tuple[tuple[str, float], ...]
+    other_laws: Comparison
     sight: Sight
     not_given: tuple[NotGiven, ...] = ()
 
@@ -120,6 +121,6 @@ class Trace:
             base=without_scale(self.base),
             findings=tuple(replace(f, fit=without_scale(f.fit)) for f in self.findings),
             final=without_scale(self.final),
-            other_laws=tuple((law, x / self.final.gain) for law, x in self.other_laws),
+            other_laws=self.other_laws.over(self.final.gain),
             sight=self.sight.over(self.final.gain),
         )

@@ -82,11 +82,11 @@ def _hold_note(found: Trace) -> tuple[str, ...]:
 
 def _laws_note(found: Trace) -> tuple[str, ...]:
     """Errors of the other laws with the same effects, for comparison."""
-    if not found.other_laws:
+    if not found.other_laws.errors:
         return ()
     unit, _ = units_of(found.final, found.prepared.slide)
     own, mine = law_parameters(found.final).law, found.final.rms_in_motion
-    others = ", ".join(f"{law} {left:.3g}" for law, left in found.other_laws)
+    others = ", ".join(f"{law} {left:.3g}" for law, left in found.other_laws.errors)
     return (
         f"Error in motion on fitted logs with each friction law and the same effects, {unit}: "
         f"{own} {mine:.3g} (used), {others}.",

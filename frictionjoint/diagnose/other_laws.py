@@ -5,12 +5,14 @@ the error of each with the final effects.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import CLEARLY
+from frictionjoint.decisions import APART, CLEARLY
 from frictionjoint.identify.base_fit import CONSTRAINT, better_form
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.fit import Fit
@@ -18,7 +20,7 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.shape import INTEGRATED, OF_NEGATIVE, Shape
 from frictionjoint.identify.starts import ripened
 from frictionjoint.identify.terms import Term
 from frictionjoint.law.names import LAWS
@@ -32,6 +34,8 @@ _RIVALS = (
     forms_of("static"),
     CONSTRAINT,
 )
+# parameters that the laws share
+_SHARED = ("Fc", "sigma2", "law.excess", "law.log Vs", "law.delta")
 # the forms of every law by the names of its numbers
 _FORMS = {forms_of(law)[0].variables: forms_of(law) for law in LAWS} | {
     forms[0].variables: forms for forms in (*_RIVALS, INTEGRATED)
@@ -136,10 +140,59 @@ class OtherLaws:
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 
-    def compared(self, prepared: Prepared, fitted: Fit) -> tuple[tuple[str, float], ...]:
-        """Error in motion of each other law with the effects of a model, N m, smallest first."""
+    def compared(self, prepared: Prepared, fitted: Fit) -> "Comparison":
+        """The effects of a model with each other law."""
         shapes = [s for names, s in self.shapes.items() if names not in self._own]
         with side_by_side() as each:
             fits = list(each(lambda s: refit(prepared, fitted.effects, s, ROUGH), shapes))
         left = {law_parameters(f).law: f.rms_in_motion for f in fits}
-        return tuple(sorted(left.items(), key=lambda pair: pair[1]))
+        alike = [f for f in fits if APART * f.drive_rms < fitted.drive_rms]
+        return Comparison(
+            tuple(sorted(left.items(), key=lambda pair: pair[1])),
+            tuple(_differences(fitted, other) for other in alike),
+        )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A fit compared with those of other laws.
+
+    Attributes:
+        errors: name and error in motion of each other law, N m, smallest first.
+        differences: by name, of the parameters that laws share, for each law that does not leave
+            twice as much.
+    """
+
+    errors: tuple[tuple[str, float], ...]
+    differences: tuple[dict[str, float], ...]
+
+    def covariance(self, fitted: Fit) -> Array:
+        """What the choice of a law adds to the covariance of a fit, shape (p, p).
+
+        A level that the logs do not show differs between laws, however small the residual of each.
+        """
+        names = fitted.layout.names
+        rows = [[d.get(n.removesuffix(OF_NEGATIVE), 0.0) for n in names] for d in self.differences]
+        D = np.reshape(rows, (len(rows), len(names)))
+        return np.asarray(D.T @ D / max(1, len(rows)))
+
+    def over(self, gain: float) -> Self:
+        """The comparison with errors in units of the drive."""
+        return replace(self, errors=tuple((law, x / gain) for law, x in self.errors))
+
+
+def _differences(fitted: Fit, other: Fit) -> dict[str, float]:
+    """Parameters of another law less those of a fit, by name; the stiffness is that of the fit."""
+    own, others = _law_values(fitted), _law_values(other)
+    found = {n: others[n] - own[n] for n in _SHARED if n in own and n in others}
+    if "law.excess" in found and "law.log length" in own:
+        # to first order, as a covariance is
+        higher = found["Fc"] / own["Fc"] + found["law.excess"] / (1.0 + own["law.excess"])
+        found["law.log length"] = higher
+    return found
+
+
+def _law_values(fitted: Fit) -> dict[str, float]:
+    """Linear coefficients and numbers of the law's shape by name."""
+    values = np.concatenate([fitted.beta, fitted.shape.vector()]).tolist()
+    return dict(zip(fitted.layout.names, values, strict=False))

@@ -95,7 +95,8 @@ def unit_block(shape: Shape) -> Array:
 
 _LENGTH = "log length"
 _BOTH = ("excess", "log Vs", "delta", _LENGTH, "log bend 1", "log bend 2")
-_NEGATIVE = ("excess of negative motion", "log Vs of negative motion")
+OF_NEGATIVE = " of negative motion"
+_NEGATIVE = ("excess" + OF_NEGATIVE, "log Vs" + OF_NEGATIVE)
 _LEAST_BEND = 0.02
 
 # Torque of the transition curve's knots over its reach: three segments, as in the paper.

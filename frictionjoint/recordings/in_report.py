@@ -47,7 +47,7 @@ def with_recordings(
         return replace(report, notes=(*report.notes, note))
     assert report.posterior is not None
     rows, columns, said, open_ones = [], [report.posterior.factor], [], []
-    for i, number in enumerate(known.numbers):
+    for i, (number, stderr) in enumerate(zip(known.numbers, known.stderr, strict=True)):
         # at least half of the information must come from the recording
         own = [x for x in found if x.informed[i] > 0.5]
         between = over(own, i) if len(own) >= FEWEST else None
@@ -56,8 +56,9 @@ def with_recordings(
             open_ones.append(number.words)
             continue
         rows.append(_row(number.name, between, own, i))
-        # one false alarm in twenty reports, over all parameters
-        if between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > 0.0:
+        # one false alarm in twenty reports, over all parameters; and a law of another form may
+        # fit recordings of another motion with values that differ by as much as their own errors
+        if between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > stderr:
             column = np.zeros((len(known.cov), 1))
             column[list(number.indices)] = between.deviation
             columns.append(column)
