@@ -145,7 +145,7 @@ def periodic_terms(
             lines |= set(_peaks(np.abs(whole - part) ** 2, 1))
         for line in sorted(lines):
             N = np.pi * (line + first) / span
-            reach = (REACHES[-1] * span,) if effect.memory else ()
+            reach = (REACHES[-1] * span,) if "reach" in effect.shape else ()
             N = _sharpened(float(N), q, weight, e, span)
             found.append(EffectTerm(effect, (N, *reach)))
     return found, max(1.0, (last - first) / 2.0)

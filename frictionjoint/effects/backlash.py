@@ -131,6 +131,5 @@ EFFECT = Effect(
     shape_bounds=((0.0, float("inf")), (0.5, float("inf")), (0.02, 1.0), (0.0, float("inf"))),
     of_load=True,
     leaps=True,
-    memory=3,
     acts="mechanism",
 )

@@ -6,42 +6,18 @@ Two forms: outside the band the whole error acts, or only the part that exceeds 
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import DEADBAND, SHIFTED
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
 
-# initial values: quantiles of the error's magnitude
-_QUANTILES = (0.05, 0.1, 0.2, 0.35, 0.5)
-# the torque is discontinuous, so a start must be within a few per cent of the samples
-_CLOSE = np.linspace(0.02, 0.5, 25)
 
-
-def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """No output inside the band, the full output outside."""
-    block[DEADBAND], block[SHIFTED] = shape[0], 0.0
+def _changed(block: Array, delay: float, shape: Shape, shifted: float = 0.0) -> tuple[Array, float]:
+    block[DEADBAND], block[SHIFTED] = shape[0], shifted
     return block, delay
-
-
-def shifted(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
-    """No output inside the band; outside, only the part that exceeds it."""
-    block[DEADBAND], block[SHIFTED] = shape[0], 1.0
-    return block, delay
-
-
-def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """Entries of the controller file that this effect changes."""
-    return {"deadband": shape[0], "deadband_form": "cut"}
-
-
-def shifted_figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """Entries of the controller file that this effect changes."""
-    return {"deadband": shape[0], "deadband_form": "shifted"}
 
 
 def _bands(logs: Sequence[Commands], quantiles: Sequence[float] | Array) -> list[Shape]:
@@ -52,9 +28,6 @@ def _bands(logs: Sequence[Commands], quantiles: Sequence[float] | Array) -> list
 EFFECT = Effect(
     name="deadband",
     title="dead band of the controller",
-    effect_id=0,
-    coefficients=(),
-    units=(),
     cause="a dead zone in the firmware, so that a servo at its target is silent",
     form="u = 0 where |target - q| <= deadband",
     source="dead zone registers of hobby servos (Feetech, memory table, CW and CCW dead zone)",
@@ -65,16 +38,17 @@ EFFECT = Effect(
     shape_units=("x",),
     shape_bounds=((0.0, float("inf")),),
     leaps=True,
-    drive=changed,
-    controller=figures,
-    drive_shapes=partial(_bands, quantiles=_CLOSE),
+    drive=_changed,
+    controller=lambda controller, shape: {"deadband": shape[0], "deadband_form": "cut"},
+    # the torque is discontinuous, so a start must be within a few per cent of the samples
+    drive_shapes=partial(_bands, quantiles=np.linspace(0.02, 0.5, 25)),
 )
 
 SHIFTED_BAND = replace(
     EFFECT,
     form="u of the error less deadband sgn(error), 0 where |target - q| <= deadband",
     leaps=False,
-    drive=shifted,
-    controller=shifted_figures,
-    drive_shapes=partial(_bands, quantiles=_QUANTILES),
+    drive=partial(_changed, shifted=1.0),
+    controller=lambda controller, shape: {"deadband": shape[0], "deadband_form": "shifted"},
+    drive_shapes=partial(_bands, quantiles=(0.05, 0.1, 0.2, 0.35, 0.5)),
 )

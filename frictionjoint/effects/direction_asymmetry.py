@@ -48,5 +48,4 @@ BY_MOTION = replace(
     shape_units=("x",),
     shapes=reaches,
     shape_bounds=((0.0, float("inf")),),
-    memory=2,
 )

@@ -1,18 +1,13 @@
 """drive-limit: a duty, voltage or torque that the controller does not exceed."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import LIMIT, SUPPLY
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
-
-# initial limits relative to the largest commanded output
-_FRACTIONS = (0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
@@ -21,22 +16,14 @@ def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
     return block, delay
 
 
-def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """Entries of the controller file that this effect changes."""
-    return {"limit": shape[0]}
-
-
 def _limits(logs: Sequence[Commands]) -> list[Shape]:
     most = max(float(np.abs(x.drive() / x.supply).max() / x.block[SUPPLY]) for x in logs)
-    return [(fraction * most,) for fraction in _FRACTIONS if most > 0.0]
+    return [(fraction * most,) for fraction in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9) if most > 0.0]
 
 
 EFFECT = Effect(
     name="drive-limit",
     title="limit of the drive",
-    effect_id=0,
-    coefficients=(),
-    units=(),
     cause="a current, torque or duty limit in the firmware",
     form="|u| <= limit, u in the unit of the controller's output",
     source="goal PWM and torque limit registers of servos",
@@ -47,6 +34,6 @@ EFFECT = Effect(
     shape_units=("output",),
     shape_bounds=((0.0, float("inf")),),
     drive=changed,
-    controller=figures,
+    controller=lambda controller, shape: {"limit": shape[0]},
     drive_shapes=_limits,
 )

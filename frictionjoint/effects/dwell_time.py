@@ -54,5 +54,4 @@ EFFECT = Effect(
     shapes=_shapes,
     bounds=((0.0, float("inf")),),
     shape_bounds=((0.1, float("inf")), (0.0, float("inf")), (0.0, float("inf"))),
-    memory=3,
 )

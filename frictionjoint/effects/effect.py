@@ -27,10 +27,6 @@ Plain = Literal["preload", "stiffness", "armature"]
 Acts = Literal["torque", "mechanism", "sensors"]
 
 
-def _no_shape(signals: Array) -> list[Shape]:
-    return [()]
-
-
 @dataclass(frozen=True, repr=False)
 class Effect:
     """One effect beyond the friction law.
@@ -38,7 +34,7 @@ class Effect:
     Attributes:
         title: common name; the canonical name if empty.
         name: canonical name; forms of one effect share it and differ in `form`.
-        effect_id: number of its kernel.
+        effect_id: number of its kernel; 0 for an effect of the drive, which has none.
         coefficients: names of the linear coefficients; units: one unit per coefficient, with
             "T" for the joint's torque (N m or N) and "x" for its position (rad or m).
         shape: names of the shape numbers; shape_units: their units.
@@ -50,7 +46,6 @@ class Effect:
         shape_bounds: of each shape number; none where empty.
         slow: it changes over minutes, and a log may contain a single value, so its gain is judged
             on parts of every log and not on whole logs.
-        memory: number of float64 of kernel state.
         proposed_by: source of initial shape numbers: the grid of `shapes`, or, for effects fixed
             in angle, the spectrum of the residual over position.
         drives: kinds of drive signal for which the effect is identifiable.
@@ -74,7 +69,7 @@ class Effect:
         free: its free oscillation, for a log that begins during one: torque per
             unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
         drive: for an effect of the drive: maps (block, delay, shape) of the documented controller
-            to block and delay of the actual one. Such an effect has no kernel and no coefficients.
+            to block and delay of the actual one. Such an effect has no coefficients.
         controller: for an effect of the drive, the fields of a `Controller` that it changes.
         drive_shapes: grid of shape numbers to search, from the commands of each log.
         none: shape numbers at which it changes nothing; empty: all 0, or infinite.
@@ -82,24 +77,23 @@ class Effect:
     """
 
     name: str
-    effect_id: int
-    coefficients: tuple[str, ...]
-    units: tuple[str, ...]
     cause: str
     form: str
     source: str
     signature: str
     separating_motion: str
+    effect_id: int = 0
+    coefficients: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
     entry: Entry = "adds torque"
     shape: tuple[str, ...] = ()
     shape_units: tuple[str, ...] = ()
     shape_fixed: int = 0
-    shapes: Callable[[Array], list[Shape]] = _no_shape
+    shapes: Callable[[Array], list[Shape]] = lambda signals: [()]
     needs: tuple[int, ...] = ()
     bounds: tuple[tuple[float, float], ...] = ()
     shape_bounds: tuple[tuple[float, float], ...] = ()
     slow: bool = False
-    memory: int = 0
     proposed_by: Literal["grid", "spectrum"] = "grid"
     drives: tuple[str, ...] = ("torque", "voltage", "current")
     first: bool = False

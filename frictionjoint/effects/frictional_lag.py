@@ -56,5 +56,4 @@ EFFECT = Effect(
     shape_units=("s", "x/s", "x"),
     shapes=_lags,
     shape_bounds=((0.005, 1.0), (0.0, float("inf")), (0.0, float("inf"))),
-    memory=3,
 )

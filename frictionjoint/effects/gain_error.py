@@ -1,15 +1,11 @@
 """gain-error: a proportional gain that differs from the controller file."""
 
-from collections.abc import Sequence
 from typing import Any
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import KP
-from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
-
-_FACTORS = (0.7, 0.85, 1.2, 1.5)
 
 
 def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
@@ -26,16 +22,9 @@ def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
     return {"kp": kp * shape[0]}
 
 
-def _factors(logs: Sequence[Commands]) -> list[Shape]:
-    return [(factor,) for factor in _FACTORS]
-
-
 EFFECT = Effect(
     name="gain-error",
     title="wrong controller gain",
-    effect_id=0,
-    coefficients=(),
-    units=(),
     cause="a gain that was changed or is in another unit",
     form="factor kp (target - q) in place of kp (target - q)",
     source="definition of the proportional gain",
@@ -49,6 +38,6 @@ EFFECT = Effect(
     drives=("torque",),
     drive=changed,
     controller=figures,
-    drive_shapes=_factors,
+    drive_shapes=lambda logs: [(factor,) for factor in (0.7, 0.85, 1.2, 1.5)],
     none=(1.0,),
 )

@@ -29,8 +29,6 @@ EFFECT = Effect(
     name="heating",
     title="heating by friction",
     effect_id=28,
-    coefficients=(),
-    units=(),
     cause="friction's loss warms the joint, which loses heat to its surroundings",
     form="tau dT/dt = ambient + R loss - T, loss = friction torque times velocity",
     source="thermal model of first order, Bittencourt and Gunnarsson (2012)",
@@ -40,5 +38,4 @@ EFFECT = Effect(
     shape=("ambient", "resistance", "time_constant"),
     shape_units=("deg C", "K/W", "s"),
     shape_bounds=((-100.0, 300.0), (0.0, math.inf), (0.0, math.inf)),
-    memory=2,
 )

@@ -111,7 +111,6 @@ EFFECT = Effect(
     # gears and shafts are lightly damped; stronger damping means another effect, such as backlash
     shape_bounds=((0.5, float("inf")), (0.005, 0.2)),
     of_inertia=True,
-    memory=3,
     acts="mechanism",
     free=free_swing,
 )

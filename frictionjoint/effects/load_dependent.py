@@ -62,7 +62,6 @@ EFFECT = Effect(
     of_size=True,
     bounds=((0.0, 2.0),),
     shape_bounds=((0.0, float("inf")),),
-    memory=2,
 )
 
 COULOMB = replace(

@@ -4,9 +4,9 @@ A fit compares the drive at an earlier time with the logged motion, so the whole
 including the steps of friction at reversals. The kernel is the first-order approximation.
 """
 
-from frictionjoint.arrays import Array, Vector
+from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.effects.effect import Effect, Shape
+from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import DTAU
 
 
@@ -16,16 +16,10 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return P[e] * sig[DTAU]
 
 
-def _none_yet(signals: Array) -> list[Shape]:
-    return [(0.0,)]
-
-
 EFFECT = Effect(
     name="measurement-delay",
     title="delay between torque and position",
     effect_id=14,
-    coefficients=(),
-    units=(),
     cause="filters and buses that delay one channel against the other",
     form="tau(t + T), T the time by which the position is logged late",
     source="pure delay between two channels",
@@ -36,7 +30,7 @@ EFFECT = Effect(
     acts="sensors",
     shape=("delay",),
     shape_units=("s",),
-    shapes=_none_yet,
+    shapes=lambda signals: [(0.0,)],
     # a larger delay means that the channels do not belong together
     shape_bounds=((-0.1, 0.1),),
 )

@@ -8,13 +8,11 @@ To first order a torque M requires a commanded torque of M (1 + a (T - T0)). A l
 simulation T stays where it was set, as for `temperature-dependent`.
 """
 
-import numpy as np
-
-from frictionjoint.arrays import Array, Vector
+from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.effects.effect import Effect, Shape
+from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import ASKED, MOTOR, TEMP
-from frictionjoint.effects.thermometer import warmer
+from frictionjoint.effects.thermometer import usual, warmer
 
 
 @compiled
@@ -27,11 +25,6 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     # range in which the first order is meaningful
     asked_over_given = min(5.0, max(0.2, 1.0 + change))
     return change * sig[MOTOR] + sig[ASKED] - sig[ASKED] / asked_over_given
-
-
-def _references(signals: Array) -> list[Shape]:
-    # the gain of the drive is that at the mean temperature of its logs
-    return [(float(np.nanmean(signals[:, TEMP])),)]
 
 
 EFFECT = Effect(
@@ -53,7 +46,6 @@ EFFECT = Effect(
     shape_units=("deg C",),
     shape_fixed=1,
     shape_bounds=((-100.0, 300.0),),
-    shapes=_references,
+    shapes=lambda signals: [(usual(signals),)],
     needs=(TEMP, MOTOR),
-    memory=1,
 )

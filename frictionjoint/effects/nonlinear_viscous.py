@@ -1,8 +1,8 @@
 """nonlinear-viscous: viscous friction that is not proportional to speed."""
 
-from frictionjoint.arrays import Array, Vector
+from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.effects.effect import Effect, Shape
+from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import HALT, V
 
 
@@ -23,10 +23,6 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     return magnitude if v > 0.0 else -magnitude
 
 
-def _exponents(signals: Array) -> list[Shape]:
-    return [(p,) for p in (0.3, 0.5, 0.7, 1.5, 2.0, 3.0)]
-
-
 EFFECT = Effect(
     name="nonlinear-viscous",
     title="curved viscous friction",
@@ -41,7 +37,7 @@ EFFECT = Effect(
     separating_motion="constant velocities over the whole speed range, both directions",
     shape=("p",),
     shape_units=("1",),
-    shapes=_exponents,
+    shapes=lambda signals: [(p,) for p in (0.3, 0.5, 0.7, 1.5, 2.0, 3.0)],
     bounds=((0.0, float("inf")),),
     shape_bounds=((0.1, 4.0),),
 )

@@ -1,6 +1,7 @@
 """position-periodic: cogging, torque ripple, eccentric gears; one harmonic per effect."""
 
 import math
+from dataclasses import replace
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
@@ -40,21 +41,15 @@ EFFECT = Effect(
     proposed_by="spectrum",
 )
 
-PERIODIC_LEVEL = Effect(
-    name="position-periodic",
-    title="cogging",
+PERIODIC_LEVEL = replace(
+    EFFECT,
     effect_id=12,
-    coefficients=("sin", "cos"),
-    units=("T", "T"),
     cause="a friction level that varies along the teeth",
     form="(a sin(N q) + b cos(N q)) Fh/Fc, reached over `reach` of motion",
     source="Armstrong-Helouvry (1991), position-dependent friction",
     signature="fixed in position, sign changes with the velocity",
-    separating_motion="slow motion over several periods, both directions",
     entry="scales the friction level",
     shape=("N", "reach"),
     shape_units=("1/x", "x"),
     shape_bounds=((0.0, math.inf), (0.0, math.inf)),
-    memory=2,
-    proposed_by="spectrum",
 )

@@ -1,12 +1,10 @@
 """supply-sag: a supply voltage that falls with the motor current."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import SAG, SAG_EMF, SUPPLY
 from frictionjoint.control.reconstruct import Commands
 from frictionjoint.effects.effect import Effect, Shape
@@ -16,11 +14,6 @@ def changed(block: Array, delay: float, shape: Shape) -> tuple[Array, float]:
     """The controller block with a supply resistance."""
     block[SAG], block[SAG_EMF] = shape
     return block, delay
-
-
-def figures(controller: Controller, shape: Shape) -> dict[str, Any]:
-    """Entries of the controller file that this effect changes."""
-    return {"sag": shape[0], "sag_emf": shape[1]}
 
 
 def _emfs(logs: Sequence[Commands]) -> list[Shape]:
@@ -33,9 +26,6 @@ def _emfs(logs: Sequence[Commands]) -> list[Shape]:
 EFFECT = Effect(
     name="supply-sag",
     title="supply voltage that falls under load",
-    effect_id=0,
-    coefficients=(),
-    units=(),
     cause="battery, cable or adapter with a resistance of its own",
     form="V - sag u (u V - emf v), sag the supply's resistance over the winding's, u the duty",
     source="Kirchhoff's laws of a chopped supply",
@@ -47,6 +37,6 @@ EFFECT = Effect(
     shape_bounds=((0.0, 0.5), (0.0, float("inf"))),
     drives=("voltage",),
     drive=changed,
-    controller=figures,
+    controller=lambda controller, shape: {"sag": shape[0], "sag_emf": shape[1]},
     drive_shapes=_emfs,
 )

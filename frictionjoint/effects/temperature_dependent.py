@@ -10,13 +10,11 @@ was set.
 import math
 from dataclasses import replace
 
-import numpy as np
-
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import TEMP, H, V
-from frictionjoint.effects.thermometer import warmer
+from frictionjoint.effects.thermometer import usual, warmer
 
 
 @compiled
@@ -35,10 +33,8 @@ def apart_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 
 def _references(signals: Array) -> list[Shape]:
-    # the base fit applies at the mean temperature of its logs; changes are relative to it
-    reference = float(np.nanmean(signals[:, TEMP]))
     # the last scale is almost linear
-    return [(reference, scale) for scale in (8.0, 20.0, 60.0, 300.0)]
+    return [(usual(signals), scale) for scale in (8.0, 20.0, 60.0, 300.0)]
 
 
 EFFECT = Effect(
@@ -60,7 +56,6 @@ EFFECT = Effect(
     shape_bounds=((-100.0, 300.0), (2.0, 1000.0)),
     shapes=_references,
     needs=(TEMP,),
-    memory=1,
 )
 
 APART = replace(

@@ -2,7 +2,9 @@
 
 import math
 
-from frictionjoint.arrays import Vector
+import numpy as np
+
+from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.signals import TEMP
 
@@ -11,3 +13,8 @@ from frictionjoint.effects.signals import TEMP
 def warmer(reference: float, sig: Vector, X: Vector, x: int) -> float:
     """T - T0, K; X[x] if there is no thermometer, so that a simulation can set it."""
     return X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - reference
+
+
+def usual(signals: Array) -> float:
+    """Mean temperature of logs, deg C: what is fitted without an effect of it applies there."""
+    return float(np.nanmean(signals[:, TEMP]))

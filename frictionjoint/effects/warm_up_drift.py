@@ -78,7 +78,6 @@ EFFECT = Effect(
     shape_units=("s",),
     shapes=_time_constants,
     shape_bounds=((_FASTEST, float("inf")),),
-    memory=1,
 )
 
 BY_LOSS = replace(
@@ -91,5 +90,4 @@ BY_LOSS = replace(
     shape_units=("s", "x"),
     shapes=_time_constants_and_warmths,
     shape_bounds=((_FASTEST, float("inf")), (0.0, float("inf"))),
-    memory=1,
 )
