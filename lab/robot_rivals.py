@@ -85,7 +85,7 @@ def case_of(robot, data) -> Case:
             (other, found.held, found.measured),
         ):
             motions.append(np.array([motion(s, name, found.names, k) for k in range(3)]))
-            torques.append(s.balanced_drive()[s.kept])
+            torques.append(s.balanced_drive())
         found.moving.append(other.kept_weight**2 > IN_MOTION)
         found.size.append(joint.fit.target_rms)
         segments[0].append(one)
@@ -106,7 +106,7 @@ def motion(segment, name, names, kind):
     own = segment.signals[:, (Q, V, A)[kind]]
     key = ("position", "velocity", "acceleration")[kind]
     tracks = [own if n == name else segment.others[f"{n}.{key}"] for n in names]
-    return segment.lowpass(np.column_stack(tracks))[segment.kept]
+    return segment.balanced(np.column_stack(tracks))
 
 
 def windows(track, length):

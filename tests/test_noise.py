@@ -43,7 +43,7 @@ def left_of(one, band=None):
     """The log prepared, and what its true model leaves of it behind the balance's filter."""
     logs = prepare([one], RigidBody(XML, "arm"), band)
     (segment,) = logs.segments
-    error = segment.balanced_drive()[segment.kept] - segment.balanced_load
+    error = segment.balanced_drive() - segment.balanced_load
     return logs, float(np.std(error))
 
 

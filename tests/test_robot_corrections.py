@@ -10,7 +10,6 @@ from arms.arm import random_arm
 from arms.run import motion
 
 from frictionjoint.effects.signals import GEAR, LOAD
-from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
@@ -106,4 +105,4 @@ def test_a_shafts_torque_is_the_tendons(arm, logs):
         other = CorrectedBody(spec.to_xml(), joint, shafts=(shaft,))
         expected = prepare([logs[joint]], other, prepared.band).segments[0].signals[:, LOAD]
         assert np.abs(found.signals[:, LOAD] - expected).max() < 1e-4 * np.abs(expected).max()
-    assert np.abs(kept(segment, expected[:, None])).max() > 0.0
+    assert np.abs(segment.balanced(expected[:, None])).max() > 0.0

@@ -99,7 +99,7 @@ def _with_armature(
     A rotor's inertia is rarely measured, and the torque balance can mistake it for a delay. But it
     can also imitate effects that whole motions show, so it is tried after them, and on windows too.
     """
-    if any(isinstance(t, EffectTerm) and t.effect.is_inertia for t in found.final.terms):
+    if any(t.effect.is_inertia for t in found.final.terms):
         return now
     terms = (*found.final.effects, EffectTerm(ARMATURE))
     prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)

@@ -33,11 +33,6 @@ class Candidate:
         return is_unnamed(self.term)
 
     @property
-    def comes_first(self) -> bool:
-        """Whether it must be decided before all others."""
-        return comes_first(self.term)
-
-    @property
     def kind(self) -> tuple[str, str]:
         """Key that is common to all shapes of one effect."""
         if isinstance(self.term, EffectTerm):
@@ -64,8 +59,3 @@ def is_unnamed(term: Term) -> bool:
 def named_of(terms: tuple[Term, ...]) -> tuple[Term, ...]:
     """Terms with a physical name."""
     return tuple(t for t in terms if not is_unnamed(t))
-
-
-def comes_first(term: Term) -> bool:
-    """Whether a term must be decided before all others."""
-    return isinstance(term, EffectTerm) and term.effect.first

@@ -31,7 +31,7 @@ class Choice(NamedTuple):
 
 def chosen(now: Scored, tried: Sequence[Tried]) -> Choice | None:
     """The best justified change, and the effects it is tied with."""
-    good = [t for t in tried if needed(t.score, now, all(c.comes_first for c in t.move.added))]
+    good = [t for t in tried if needed(t.score, now, _is_certain(t.move))]
     named = [t for t in good if not t.move.unnamed]
     singles = [t for t in named if len(t.move.added) == 1]
     best = _least(singles)
@@ -66,12 +66,16 @@ def chosen(now: Scored, tried: Sequence[Tried]) -> Choice | None:
     return Choice(simplest, tuple(ties))
 
 
+def _is_certain(move: Move) -> bool:
+    return all(c.term.effect.first for c in move.added)
+
+
 def beyond_chance(move: Move, seen: Look) -> bool:
     """Whether chance seldom explains as much, over the whole family of candidates.
 
     Effects that are certain to exist are tested only for size.
     """
-    asked = [seen.find(c).p_value for c in move.added if not c.comes_first]
+    asked = [seen.find(c).p_value for c in move.added if not c.term.effect.first]
     return min(asked, default=0.0) <= SIGNIFICANCE
 
 
@@ -81,8 +85,7 @@ def promises(move: Move, seen: Look) -> bool:
     A refit gains up to 2.7 times what the screen promises (177 refits on 15 test joints). Effects
     that are certain to exist need not gain much.
     """
-    certain = all(c.comes_first for c in move.added)
-    return certain or seen.gain(move) >= SMALLEST_GAIN / 3.0
+    return _is_certain(move) or seen.gain(move) >= SMALLEST_GAIN / 3.0
 
 
 def _much_before(unnamed: Tried, best: Tried, now: Scored) -> bool:

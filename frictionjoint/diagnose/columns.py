@@ -22,7 +22,7 @@ def signals_of(prepared: Prepared, fitted: Fit) -> list[Array]:
             [
                 term.columns(s, signals) @ fitted.term_coefficients(i)
                 for i, term in enumerate(fitted.terms)
-                if term.coefficients and not (isinstance(term, EffectTerm) and term.effect.on_motor)
+                if term.coefficients and not term.effect.on_motor
             ],
             np.zeros(len(signals)),
         )
@@ -35,7 +35,7 @@ def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
     A delay shifts the drive and has no column of its own; its first order is the rate of the drive.
     """
     if not term.coefficients:
-        parts = [s.balanced_drive(0.0, 1)[s.kept] for s in prepared.segments]
+        parts = [s.balanced_drive(0.0, 1) for s in prepared.segments]
         return np.concatenate(parts)[:, None]
     (whole,) = prepared.bundles(1)
 

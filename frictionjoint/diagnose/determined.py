@@ -4,16 +4,16 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import SURELY
-from frictionjoint.diagnose.candidate import comes_first, is_unnamed
+from frictionjoint.diagnose.candidate import is_unnamed
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
+from frictionjoint.identify.terms import Term
 
 
 def undetermined(prepared: Prepared, fitted: Fit) -> list[Term]:
     """Effects whose sizes are within two standard errors of zero."""
-    asked = [i for i, t in enumerate(fitted.effects) if not (is_unnamed(t) or comes_first(t))]
+    asked = [i for i, t in enumerate(fitted.effects) if not (is_unnamed(t) or t.effect.first)]
     if not asked:
         return []
     cov = stated_covariance(prepared, fitted)
@@ -31,13 +31,12 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     """
     term, layout = fitted.terms[i], fitted.layout
     at = layout.coefficients(i)
-    without_size = isinstance(term, EffectTerm) and term.effect.of_load
-    if at.stop > at.start and not without_size:
+    if at.stop > at.start and not term.effect.of_load:
         x, places = np.asarray(fitted.beta[at]), np.arange(at.start, at.stop)
     else:
         x, numbers = np.array(term.free_shape), layout.numbers(i)
         places = np.arange(numbers.start, numbers.stop)
-        if isinstance(term, EffectTerm | DriveTerm) and term.effect.none:
+        if term.effect.none:
             x = x - np.array(term.effect.none)
     if not len(x):
         return np.inf

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from frictionjoint.diagnose.candidate import comes_first, is_unnamed, named_of
+from frictionjoint.diagnose.candidate import is_unnamed, named_of
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, is_small, needed, with_fewer
 from frictionjoint.identify.rounding import best_of
@@ -33,7 +33,7 @@ def drop_idle(state: State) -> None:
         for t, terms, rest in zip(own, beside, fewer, strict=True):
             whole = {terms} if is_unnamed(t) else {terms, first}
             pairs = [(way[x], way[rest]) for x in whole for way in ways]
-            if not any(needed(*p, comes_first(t)) and not is_small(t, *p) for p in pairs):
+            if not any(needed(*p, t.effect.first) and not is_small(t, *p) for p in pairs):
                 idle.append((max(way[terms].gain(way[rest]) for way in ways), t))
         if not idle:
             return

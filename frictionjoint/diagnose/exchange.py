@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from frictionjoint.diagnose.candidate import Candidate, comes_first, is_unnamed, without_columns
+from frictionjoint.diagnose.candidate import Candidate, is_unnamed, without_columns
 from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
@@ -91,7 +91,7 @@ def _clearly_better_alone(state: State, term: Term, other: Term, blocks: Blocks)
     Known effects and effects of the controller stay in the model.
     """
     own = state.fit.effects
-    known = [t for t in own if t is not term and (comes_first(t) or isinstance(t, DriveTerm))]
+    known = [t for t in own if t is not term and (t.effect.first or isinstance(t, DriveTerm))]
     if len(known) + 1 == len(own):
         return False
 

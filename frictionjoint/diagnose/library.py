@@ -24,7 +24,7 @@ from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.search import HEARD
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import VARIABLES, HysteresisTerm, LogTerm, SplineTerm, quantity
-from frictionjoint.identify.swing import swings, swings_of
+from frictionjoint.identify.swing import swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 from frictionjoint.identify.timing import DriveTiming, TargetTiming
 from frictionjoint.threads import side_by_side
@@ -86,7 +86,7 @@ def _of_known_size(prepared: Prepared, fitted: Fit, terms: list[Term]) -> list[T
     """
     if scale_is_determined(prepared, fitted):
         return terms
-    return [t for t in terms if not (isinstance(t, EffectTerm) and t.effect.of_inertia)]
+    return [t for t in terms if not t.effect.of_inertia]
 
 
 def _with_waves(
@@ -147,7 +147,7 @@ def _candidates(
             x,
             tuple((lo * fitted.gain, hi * fitted.gain) for lo, hi in term_bounds(prepared, term)),
             lines,
-            swings_of(prepared, term) if swings(term) else None,
+            swings_of(prepared, term) if term.effect.free else None,
         )
         for term, x, lines in zip(terms, columns, among, strict=True)
         if np.all(np.isfinite(x)) and np.any(x)

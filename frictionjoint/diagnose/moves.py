@@ -13,7 +13,7 @@ from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.identify.blocks import Blocks, halves
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import EQUAL, first_least, in_order
-from frictionjoint.identify.terms import Term, in_place, is_wave
+from frictionjoint.identify.terms import Term, in_place
 from frictionjoint.threads import side_by_side
 
 # the most promising effects, and alternatives to one or without a name, that are refitted
@@ -43,7 +43,7 @@ class Move(NamedTuple):
     def kind(self) -> Kind:
         """What it shares with changes to the same effects from other starting shapes; waves of
         other lengths are other effects."""
-        return tuple((t.name, t.free_shape if is_wave(t) else ()) for t in self.terms)
+        return tuple((t.name, t.free_shape if t.effect.is_wave else ()) for t in self.terms)
 
 
 class Looked(NamedTuple):

@@ -22,7 +22,6 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.decisions import MOSTLY, SIGNIFICANCE, TIE
-from frictionjoint.diagnose.candidate import comes_first
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
@@ -179,4 +178,4 @@ def _is_supported(finding: Finding) -> bool:
     Effects that are certain to exist are always supported.
     """
     chosen = finding.gain > 0.0 and finding.row.frequency >= MOSTLY
-    return comes_first(finding.term) or chosen
+    return finding.term.effect.first or chosen

@@ -11,13 +11,12 @@ from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import FEWEST_WAVES
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import is_wave
 
 
 def short_waves(prepared: Prepared, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Candidates that are waves with less than one and a half periods in the usual travel."""
     fewest = 2.0 * np.pi * FEWEST_WAVES / prepared.usual_travel
-    return [c for c in candidates if is_wave(c.term) and c.term.shape[0] < fewest]
+    return [c for c in candidates if c.term.effect.is_wave and c.term.shape[0] < fewest]
 
 
 def nearly_curves(

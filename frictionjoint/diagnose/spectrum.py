@@ -13,7 +13,6 @@ from frictionjoint.effects.friction_level import REACHES
 from frictionjoint.effects.signals import LOAD, TIME, A, H, Q, V
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.search import FEWEST_WAVES, HALF_A_WAVE
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import WaveTerm
@@ -114,7 +113,7 @@ def periodic_terms(
     if not harmonics:
         return [], 1.0
     x = np.concatenate(
-        [kept(s, g[:, [Q, H]]) for s, g in zip(prepared.segments, signals, strict=True)]
+        [s.balanced(g[:, [Q, H]]) for s, g in zip(prepared.segments, signals, strict=True)]
     )
     q = x[:, 0]
     span = float(np.ptp(q))

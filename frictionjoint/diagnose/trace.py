@@ -47,8 +47,7 @@ from frictionjoint.identify.search import CLOSE, ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.swing import swings
-from frictionjoint.identify.terms import EffectTerm, Term, leaps
+from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
@@ -135,7 +134,7 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
 def _early(state: State) -> bool:
     """Whether all findings so far are certain effects or effects of the drive, which come first."""
     effects = state.fit.effects
-    return all(isinstance(t, EffectTerm) and t.effect.decided_first for t in effects)
+    return all(t.effect.decided_first for t in effects)
 
 
 def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
@@ -146,7 +145,7 @@ def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
 
 def _first(state: State) -> list[Candidate]:
     """Candidates that are decided first."""
-    return [c for c in state.candidates if c.comes_first]
+    return [c for c in state.candidates if c.term.effect.first]
 
 
 def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Generator) -> list[str]:
@@ -268,7 +267,7 @@ def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, F
         if c.begun is not None:
             begun = swinging(begun, current, c.term, c.columns, c.begun)
     # where a torque leaps derivatives come to rest too early, and two effects do so more often
-    settles = len(move.added) > 1 and any(leaps(c.term) for c in move.added)
+    settles = len(move.added) > 1 and any(c.term.effect.leaps for c in move.added)
     found = compared(begun, move.terms, current.shape, CLOSE if settles else ROUGH)
     return (prepared, found) if begun is prepared else settled(begun, found)
 
@@ -323,7 +322,7 @@ def _looked_at_again(
         if anew:
             freed = unbent(prepared, terms, [forms_like(first.shape)])
             found = best_of([found, freed], lambda f: f.drive_rms)
-        swung = any(swings(term) for term in terms)
+        swung = any(term.effect.free for term in terms)
         own, found = settled(prepared, found) if swung else (prepared, found)
         return own, scored(found, blocks)
 

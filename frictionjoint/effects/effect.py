@@ -125,6 +125,11 @@ class Effect:
         return self.first or self.drive is not None
 
     @property
+    def is_wave(self) -> bool:
+        """Whether it repeats along the position."""
+        return self.proposed_by == "spectrum"
+
+    @property
     def scales(self) -> bool:
         """Whether the coefficient is the relative error of the measured torque."""
         return self.units == ("1",) and self.entry == "acts on the measurement"
@@ -133,3 +138,7 @@ class Effect:
     def size(self) -> int:
         """Length of the number block: shape numbers, then coefficients."""
         return len(self.shape) + len(self.coefficients)
+
+
+NOTHING = Effect("", "", "", "", "", "")
+"""Effect of a term that is none of the catalogue."""

@@ -28,7 +28,6 @@ from frictionjoint.identify.terms import (
     changing_drive,
     delay_of,
     drive_changes,
-    is_wave,
     torque_of,
 )
 from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge
@@ -289,7 +288,7 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
     for i, x in enumerate(term.free_shape):
         if isinstance(term, Timing):
             reach = np.inf
-        elif is_wave(term) and i == 0:
+        elif term.effect.is_wave and i == 0:
             reach = np.pi / span / 2.0  # between the lines of a spectrum
         else:
             # a zero was not searched yet: the physical range decides

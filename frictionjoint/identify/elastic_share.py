@@ -19,7 +19,7 @@ RESOLUTION = 0.05
 def implied_share(prepared: Prepared, fitted: Fit, i: int) -> float | None:
     """Share that a fit puts behind the spring of term i; None: no spring, or the share assumed."""
     term = fitted.terms[i]
-    if not isinstance(term, EffectTerm) or not term.effect.of_inertia:
+    if not (isinstance(term, EffectTerm) and term.effect.of_inertia):
         return None
     whole = float(np.median([inertia_of(s.signals, GEAR) for s in prepared.segments]))
     (behind,) = fitted.term_coefficients(i)

@@ -303,7 +303,7 @@ def _of_segment(s: Segment, top: float) -> tuple[Array, Array, Array]:
     jerk = np.gradient(s.signals[:, A], s.dt)
     motion = np.column_stack([s.signals[:, [LOAD, GX, GY, V, A]], jerk])
     other = np.column_stack([s.signals[:, Q], plain_friction(s, top)])
-    return (s.lowpass(motion)[s.kept], s.lowpass(other)[s.kept], s.lowpass(s.drive)[s.kept])
+    return s.balanced(motion), s.balanced(other), s.balanced(s.drive)
 
 
 def _blocks(n: int) -> NDArray[np.int64]:

@@ -6,6 +6,7 @@ because the log is wrong and not the model.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -26,15 +27,9 @@ class ExcessTerm(TunedTerm):
         at: the level, N m (N). within: levels that are exceeded, but not always.
     """
 
-    @property
-    def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Bounds of the fraction around 1: a saturated drive delivers nothing beyond its level."""
-        return ((1.0 - _ABOUT, 1.0 + _ABOUT),)
-
-    @property
-    def coefficients(self) -> tuple[str, ...]:
-        """Name of the coefficient: the fraction of the torque beyond the level that did not act."""
-        return ("fraction",)
+    # a saturated drive delivers nothing of the torque beyond its level
+    coefficients: ClassVar[tuple[str, ...]] = ("fraction",)
+    bounds = ((1.0 - _ABOUT, 1.0 + _ABOUT),)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, 1)."""
@@ -99,17 +94,9 @@ def as_given(prepared: Prepared, not_given: Sequence[NotGiven]) -> Prepared:
 class MissingTerm(SmoothTerm):
     """Mean torque that a saturated sensor does not measure."""
 
-    @property
-    def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Bounds of the coefficient: the true torque is larger than the logged torque, never
-        smaller.
-        """
-        return ((-np.inf, 0.0),)
-
-    @property
-    def coefficients(self) -> tuple[str, ...]:
-        """Name of the coefficient, which is the negative of the missing torque."""
-        return ("missing",)
+    # the negative of the missing torque: the true one is never smaller than the logged one
+    coefficients: ClassVar[tuple[str, ...]] = ("missing",)
+    bounds = ((-np.inf, 0.0),)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, 1)."""
@@ -130,8 +117,7 @@ class EncoderTerm(SmoothTerm):
     """A position error that is a wave of the position: an eccentric encoder disc or shaft.
 
     With q = measured - d(measured), d = a sin(N q) + b cos(N q), the balance is wrong by its change
-    along
-    d: in acceleration, gravity and viscous friction, with one d in all of them.
+    along d: in acceleration, gravity and viscous friction, with one d in all of them.
 
     Attributes:
         order: N, waves per turn. inertia: N m s^2/rad. arms: of gravity, kg m, see signals.
@@ -142,11 +128,8 @@ class EncoderTerm(SmoothTerm):
     inertia: float
     arms: tuple[float, float]
     viscosity: float
-
-    @property
-    def coefficients(self) -> tuple[str, ...]:
-        """Amplitudes of the two waves, rad."""
-        return ("sin", "cos")
+    # amplitudes of the two waves, rad
+    coefficients: ClassVar[tuple[str, ...]] = ("sin", "cos")
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, 2)."""

@@ -82,7 +82,7 @@ class LawBasis:
 
         For each function of `falls` there is one level per element.
         """
-        return np.concatenate([s.lowpass(self._along(s))[s.kept] for s in self.prepared.segments])
+        return np.concatenate([s.balanced(self._along(s)) for s in self.prepared.segments])
 
     def _along(self, s: Segment) -> Array:
         z = _elements(s, self.reaches)

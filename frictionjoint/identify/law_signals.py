@@ -12,11 +12,6 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 
 
-def kept(segment: Segment, x: Array) -> Array:
-    """Signals of a log, filtered and reduced to the kept samples."""
-    return segment.lowpass(x)[segment.kept]
-
-
 def full_signals(prepared: Prepared, shape: Shape, Fc: float, sigma2: float) -> list[Array]:
     """Signals of each log with H, RATE and MOTOR filled in for a law."""
     (whole,) = prepared.bundles(1)

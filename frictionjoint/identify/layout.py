@@ -8,7 +8,7 @@ import numpy as np
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import SmoothTerm
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import Term
 
 # bound of the Coulomb level, in units of the drive: a law needs one above zero
 LEAST_LEVEL = 1e-12
@@ -79,7 +79,7 @@ def layout_of(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> Layout
     curve this damping would imitate it.
     """
     voltage = prepared.voltage_driven
-    damped = law.damped and (not voltage or any(t.opposes_voltage for t in terms))
+    damped = law.damped and (not voltage or any(t.effect.opposes_voltage for t in terms))
     used = {
         "load": prepared.gain_unknown,
         "sigma2": prepared.let_go or not voltage,
@@ -91,14 +91,10 @@ def layout_of(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> Layout
 
 def term_bounds(prepared: Prepared, term: Term) -> list[tuple[float, float]]:
     """Range of each coefficient of a term, in units of the drive."""
-    bounds: tuple[tuple[float, float], ...] = ()
+    bounds = term.bounds if isinstance(term, SmoothTerm) else term.effect.bounds
     unit = 1.0
-    if isinstance(term, SmoothTerm):
-        bounds = term.bounds
-    elif isinstance(term, EffectTerm):
-        bounds = term.effect.bounds
-        if term.effect.of_inertia:
-            unit = float(np.median([s.noise.inertia for s in prepared.segments]))
+    if term.effect.of_inertia:
+        unit = float(np.median([s.noise.inertia for s in prepared.segments]))
     # with an unknown gain only the sign of a bound survives
     survives = not prepared.gain_unknown or unit != 1.0
     return [

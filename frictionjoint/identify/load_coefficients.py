@@ -7,7 +7,6 @@ with a part of a link has no physical meaning.
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.layout import Layout
-from frictionjoint.identify.terms import EffectTerm
 
 
 def with_load(X: Array, layout: Layout) -> Array:
@@ -48,6 +47,6 @@ def _own(layout: Layout) -> list[int]:
     return [
         k
         for i, term in enumerate(layout.terms)
-        if isinstance(term, EffectTerm) and term.effect.of_load
+        if term.effect.of_load
         for k in range(layout.coefficients(i).start, layout.coefficients(i).stop)
     ]

@@ -12,18 +12,13 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.segment import Segment
-from frictionjoint.identify.terms import EffectTerm, Term
-
-
-def follows_motor(term: Term) -> bool:
-    """Whether the column of a term depends on the motor torque."""
-    return isinstance(term, EffectTerm) and MOTOR in term.effect.needs
+from frictionjoint.identify.terms import Term
 
 
 def solutions(terms: tuple[Term, ...]) -> int:
     """Number of solutions for the coefficients until the motor torque is consistent with them."""
     # the first knows no torque; torque and coefficients change each other little
-    return 1 + 3 * any(follows_motor(term) for term in terms)
+    return 1 + 3 * any(MOTOR in term.effect.needs for term in terms)
 
 
 def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment]) -> Array:
@@ -37,12 +32,12 @@ def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment
         beta: coefficients in units of the drive, shape (k,).
         segments: the logs whose kept samples are the rows.
     """
-    at = [i for i, term in enumerate(layout.terms) if follows_motor(term)]
+    at = [i for i, term in enumerate(layout.terms) if MOTOR in term.effect.needs]
     if not at:
         return X
     taken = beta.copy()
     for i, term in enumerate(layout.terms):
-        if isinstance(term, EffectTerm) and term.effect.on_motor:
+        if term.effect.on_motor:
             taken[layout.coefficients(i)] = 0.0
     torque = X @ taken / beta[0]
     filled, begin = X.copy(), 0

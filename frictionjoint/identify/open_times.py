@@ -2,7 +2,7 @@
 
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import Term
 from frictionjoint.identify.timing import DampingAge, DriveTiming, TargetTiming, Timing, VelocityAge
 
 
@@ -19,23 +19,12 @@ def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term
         return terms
     sample = min(s.sample for s in prepared.segments)
     found: list[Timing] = []
-    if not any(map(_delays, terms)):
-        of_target = prepared.commanded and not any(_delays_target(t) for t in terms)
+    effects = [t.effect for t in terms]
+    if not any(e.delays for e in effects):
+        of_target = prepared.commanded and not any(e.delays_target for e in effects)
         found.append(TargetTiming(sample) if of_target else DriveTiming(sample))
-    if (prepared.damped or law.steps) and not any(_holds_inertia(t) for t in terms):
+    if (prepared.damped or law.steps) and not any(
+        e.is_inertia or e.of_inertia or e.scales for e in effects
+    ):
         found.append(VelocityAge(sample) if prepared.damped else DampingAge(sample))
     return (*terms, *(t for t in found if t.name not in prepared.nothing))
-
-
-def _holds_inertia(term: Term) -> bool:
-    if not isinstance(term, EffectTerm):
-        return False
-    return term.effect.is_inertia or term.effect.of_inertia or term.effect.scales
-
-
-def _delays(term: Term) -> bool:
-    return isinstance(term, EffectTerm) and term.effect.delays
-
-
-def _delays_target(term: Term) -> bool:
-    return isinstance(term, EffectTerm) and term.effect.delays_target

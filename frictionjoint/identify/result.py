@@ -5,9 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.parameter_meanings import UNITS
 from frictionjoint.parameters import Friction
 
@@ -173,7 +171,7 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
     """Parameters of term i by name; an effect that changes the load has no size of its own."""
     term, layout = fitted.terms[i], fitted.layout
     values = fitted.term_coefficients(i)
-    units = term.effect.units if isinstance(term, EffectTerm) else ("T",) * len(values)
+    units = term.effect.units or ("T",) * len(values)
     at = layout.coefficients(i).start
     found = {
         name: Estimate(
@@ -182,16 +180,14 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
             _coefficient_unit(fitted, units[k], slide),
         )
         for k, name in enumerate(term.coefficients)
-        if not (isinstance(term, EffectTerm) and term.effect.of_load)
+        if not term.effect.of_load
     }
-    if isinstance(term, EffectTerm):
-        at = layout.numbers(i).start
-        effect: Effect = term.effect
-        for k, name in enumerate(effect.shape):
-            fixed = effect.shape_fixed
-            error = None if k < fixed else _root(cov[at + k - fixed, at + k - fixed])
-            unit = _spelled(effect.shape_units[k], *units_of(fitted, slide))
-            found[name] = Estimate(term.shape[k], error, unit)
+    at, effect = layout.numbers(i).start, term.effect
+    for k, name in enumerate(effect.shape):
+        fixed = effect.shape_fixed
+        error = None if k < fixed else _root(cov[at + k - fixed, at + k - fixed])
+        unit = _spelled(effect.shape_units[k], *units_of(fitted, slide))
+        found[name] = Estimate(term.shape[k], error, unit)
     return found
 
 

@@ -26,8 +26,8 @@ from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of, first_least
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.swing import swings, swings_of
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, is_wave, leaps
+from frictionjoint.identify.swing import swings_of
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place
 from frictionjoint.threads import one_thread
 
 # relative change of the squares at which a search ends
@@ -176,7 +176,7 @@ class Search:
         """
         limits = list(shape_limits(term))
         if isinstance(term, EffectTerm):
-            if is_wave(term):
+            if term.effect.is_wave:
                 wave, now = 2.0 * math.pi / self.prepared.usual_travel, term.free_shape[0]
                 least = (FEWEST_WAVES - HALF_A_WAVE) * wave
                 limits[0] = min(now, HALF_A_WAVE * wave) if now < least else least, limits[0][1]
@@ -239,7 +239,7 @@ class Search:
         return [
             k - first
             for i, t in enumerate(self.terms)
-            if leaps(t)
+            if t.effect.leaps
             for k in range(*_ends(self.layout, i))
         ]
 
@@ -323,7 +323,7 @@ class Search:
         scaling = [
             1.0 + float(beta[self.layout.coefficients(i)][0])
             for i, term in enumerate(terms)
-            if isinstance(term, EffectTerm) and term.effect.scales
+            if term.effect.scales
         ]
         changed = scaling or any(isinstance(term, DriveTerm) for term in terms)
         if not (self.prepared.commanded and changed):
@@ -408,7 +408,7 @@ class Search:
         return [
             swings_of(self.prepared, term) * beta[self.layout.coefficients(i)]
             for i, term in enumerate(terms)
-            if swings(term)
+            if term.effect.free
         ]
 
     def _near_bound(self, x: Array) -> NDArray[np.bool_]:

@@ -100,9 +100,13 @@ class Segment:
     def _drive_spectrum(self) -> Spectrum:
         return self.filter.spectrum(self.drive)
 
+    def balanced(self, x: Array) -> Array:
+        """A signal, along axis 0, after the filter of the balance, on the kept samples."""
+        return self.filter(x)[self.kept]
+
     def balanced_drive(self, delay: float = 0.0, derivative: int = 0) -> Array:
-        """The drive `delay` seconds before each sample, after the filter of the balance."""
-        return self.filter.back(self._drive_spectrum, derivative, delay)
+        """`balanced` of the drive `delay` seconds before each sample."""
+        return self.filter.back(self._drive_spectrum, derivative, delay)[self.kept]
 
     def drive_before(self, delay: float) -> Array:
         """The drive `delay` seconds before each sample, shape (n,)."""
@@ -115,7 +119,7 @@ class Segment:
     @cached_property
     def balanced_load(self) -> Array:
         """Rigid-body torque on the kept samples, N m."""
-        return self.lowpass(self.signals[:, LOAD])[self.kept]
+        return self.balanced(self.signals[:, LOAD])
 
     @cached_property
     def gear(self) -> Array:
@@ -127,10 +131,6 @@ class Segment:
         torque = self.signals[:, GEAR]
         corner = corner_above_noise(torque, self.dt, self.bandwidth_hz, self.corner_hz)
         return _lowpass(len(torque), self.dt, corner, 1)(torque)
-
-    def lowpass(self, x: Array) -> Array:
-        """A signal filtered along axis 0 and decimated, as in the balance."""
-        return self.filter(x)
 
     def smooth(self, x: Array) -> Array:
         """A signal after the filter of the balance, at all samples."""

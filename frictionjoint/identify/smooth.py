@@ -11,6 +11,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
+from frictionjoint.effects.effect import NOTHING, Effect
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.segment import Segment
 
@@ -35,16 +36,16 @@ def quantity(segment: Segment, signals: Array, variable: str) -> Array:
 
 @dataclass(frozen=True)
 class SmoothTerm:
-    """Common base of all unnamed terms; see `terms.Term`."""
+    """Common base of all unnamed terms; see `terms.Term`.
 
-    variable: str
-    opposes_voltage: ClassVar[bool] = False
+    Attributes:
+        name: the quantity. bounds: of the coefficients; none if empty.
+    """
+
+    name: str
+    effect: ClassVar[Effect] = NOTHING
+    bounds: ClassVar[tuple[tuple[float, float], ...]] = ()
     delay: ClassVar[float] = 0.0
-
-    @property
-    def name(self) -> str:
-        """The quantity."""
-        return self.variable
 
     @property
     def shape(self) -> tuple[float, ...]:
@@ -59,11 +60,6 @@ class SmoothTerm:
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
         """None: these numbers have no physical range."""
-        return ()
-
-    @property
-    def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Bounds of the coefficients; most have none."""
         return ()
 
     @property
@@ -93,10 +89,9 @@ class SplineTerm(SmoothTerm):
         odd: multiplied by H, the direction of friction.
         means, slopes: of the columns over the logs, subtracted. A constant is a bias, a named
             effect, and a curve that contained it would beat every other effect. A part linear in
-            the load is a gain, in the velocity viscous friction: a curve that contained it
-            would leave both
-                undetermined, and
-            their difference would be a bias wherever the mean is not zero.
+            the load is a gain, in the velocity viscous friction: a curve that contained it would
+            leave both undetermined, and their difference would be a bias wherever the mean is not
+            zero.
     """
 
     low: float
@@ -120,7 +115,7 @@ class SplineTerm(SmoothTerm):
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
-        x = quantity(segment, signals, self.variable)
+        x = quantity(segment, signals, self.name)
         out = self._basis(x)
         if self.means:
             out = out - np.array(self.means)
@@ -159,8 +154,8 @@ class SplineTerm(SmoothTerm):
         pairs = list(zip(segments, signals, strict=True))
         columns = np.concatenate([self.columns(s, x)[s.mask] for s, x in pairs])
         known = np.ones((len(columns), 1))
-        if self.variable in _PROPORTIONAL:
-            x = np.concatenate([quantity(s, x, self.variable)[s.mask] for s, x in pairs])
+        if self.name in _PROPORTIONAL:
+            x = np.concatenate([quantity(s, x, self.name)[s.mask] for s, x in pairs])
             known = np.column_stack([known, x])
         means, *slopes = np.linalg.lstsq(known, columns, rcond=None)[0].tolist()
         return replace(self, means=tuple(means), slopes=tuple(slopes[0]) if slopes else ())

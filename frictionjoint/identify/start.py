@@ -21,7 +21,7 @@ from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.swing import swing_columns, swings
+from frictionjoint.identify.swing import swing_columns
 from frictionjoint.identify.terms import Term
 from frictionjoint.measured.lowpass import REACH
 from frictionjoint.threads import side_by_side
@@ -96,7 +96,7 @@ def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
     The residual of the log is linear in both.
     """
     (segment,) = one.segments
-    at = [i for i, t in enumerate(fitted.terms) if swings(t)]
+    at = [i for i, t in enumerate(fitted.terms) if t.effect.free]
     inertia = float(fitted.term_coefficients(at[0])[0]) / fitted.gain if at else 0.0
     if inertia == 0.0:
         return segment.swing

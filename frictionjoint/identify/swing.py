@@ -5,14 +5,8 @@ from scipy.linalg import block_diag
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.design import id_of
-from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, Term
-
-
-def swings(term: Term) -> bool:
-    """Whether a term may oscillate freely when a log begins."""
-    return isinstance(term, EffectTerm) and term.effect.free is not None
 
 
 def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
@@ -29,7 +23,7 @@ def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
     found = [
         term.effect.free(term.shape, (float(d), float(rate)), signals) for d, rate in np.diag(sizes)
     ]
-    return kept(segment, np.column_stack(found)), sizes
+    return segment.balanced(np.column_stack(found)), sizes
 
 
 def swings_of(prepared: Prepared, term: Term) -> Array:

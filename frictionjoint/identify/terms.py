@@ -21,50 +21,40 @@ class Term(Protocol):
     @property
     def name(self) -> str:
         """Canonical name of the effect, or the variable of a smooth curve."""
-        ...
 
     @property
     def coefficients(self) -> tuple[str, ...]:
         """One name per column."""
-        ...
 
     @property
     def shape(self) -> tuple[float, ...]:
         """Nonlinear numbers."""
-        ...
 
     @property
     def free_shape(self) -> tuple[float, ...]:
         """Nonlinear numbers that a fit may refine."""
-        ...
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
         """Physical range of each of them; none if empty."""
-        ...
 
     def with_shape(self, shape: tuple[float, ...]) -> "Term":
         """The term with other shape numbers."""
-        ...
 
     @property
     def follows_law(self) -> bool:
         """Whether the columns change with the law's shape."""
-        ...
 
     @property
-    def opposes_voltage(self) -> bool:
-        """Whether the term is the voltage that a turning motor induces."""
-        ...
+    def effect(self) -> Effect:
+        """Effect of the catalogue, `NOTHING` for a term of another kind."""
 
     @property
     def delay(self) -> float:
         """Time by which the drive is logged early, s."""
-        ...
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -110,11 +100,6 @@ class EffectTerm:
         return self.effect.entry == "scales the friction level"
 
     @property
-    def opposes_voltage(self) -> bool:
-        """Whether the term is the voltage that a turning motor induces."""
-        return self.effect.opposes_voltage
-
-    @property
     def delay(self) -> float:
         """Time by which the drive is logged early, s."""
         return self.shape[0] if self.effect.delays else 0.0
@@ -138,7 +123,7 @@ class EffectTerm:
         if self.effect.free and any(segment.swing):
             free = self.effect.free(self.shape, segment.swing, signals)
             found += np.outer(free, coefficients[:, 0])
-        return found * segment.driven[:, None] if self.opposes_voltage else found
+        return found * segment.driven[:, None] if self.effect.opposes_voltage else found
 
     def hung(self, signals: Array) -> Array:
         """The signals, with the gravity torque on the effect's own inertia."""
@@ -195,16 +180,6 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
     if not changes or segment.commanded is None:
         return segment
     return replace(segment, drive=segment.commanded.drive(changes)[: len(segment.drive)])
-
-
-def leaps(term: Term) -> bool:
-    """Whether the torque of a term is discontinuous in a shape number, see `Effect.leaps`."""
-    return isinstance(term, EffectTerm) and term.effect.leaps
-
-
-def is_wave(term: Term) -> bool:
-    """Whether a term is an effect that repeats along the position."""
-    return isinstance(term, EffectTerm) and term.effect.proposed_by == "spectrum"
 
 
 def age_of(terms: tuple[Term, ...], kind: type[Timing] = VelocityAge) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.effects import command_delay
+from frictionjoint.effects.effect import NOTHING, Effect
 from frictionjoint.identify.segment import Segment
 
 
@@ -24,7 +25,7 @@ class Timing:
     name: ClassVar[str] = "timing"
     coefficients: ClassVar[tuple[str, ...]] = ()
     follows_law: ClassVar[bool] = False
-    opposes_voltage: ClassVar[bool] = False
+    effect: ClassVar[Effect] = NOTHING
 
     @property
     def delay(self) -> float:

@@ -77,5 +77,5 @@ def _balanced(s: Segment, top: float) -> tuple[Array, Array]:
     """Columns of a linear balance, shape (m, k), and the drive with each delay, on kept samples."""
     motion = s.signals[:, [LOAD, GX, GY, V, A, Q]]
     columns = [motion, plain_friction(s, top), np.ones(len(motion))]
-    late = [s.balanced_drive(delay * s.sample)[s.kept] for delay in _LATE]
-    return s.lowpass(np.column_stack(columns))[s.kept], np.column_stack(late)
+    late = [s.balanced_drive(delay * s.sample) for delay in _LATE]
+    return s.balanced(np.column_stack(columns)), np.column_stack(late)

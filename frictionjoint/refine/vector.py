@@ -105,11 +105,9 @@ class Vector:
         low += [1e-6 * self.fitted.target_rms if name == "Fc" else 0.0 for name in names]
         high += [np.inf] * len(names)
         for term in self.fitted.terms:
-            bounds: tuple[tuple[float, float], ...] = ()
-            if isinstance(term, EffectTerm) and not term.effect.of_inertia:
-                bounds = term.effect.bounds
+            bounds = () if term.effect.of_inertia else term.effect.bounds
             free = ((-np.inf, np.inf),) * len(term.coefficients)
-            if isinstance(term, EffectTerm) and term.effect.is_inertia:
+            if term.effect.is_inertia:
                 free = ((-self.armature, np.inf),)
             for least, most in bounds or free:
                 low.append(least)
@@ -133,7 +131,7 @@ class Vector:
     def _inertias(self) -> list[int]:
         """Indices of the numbers that are inertias."""
         terms = enumerate(self.fitted.terms)
-        own = [i for i, t in terms if isinstance(t, EffectTerm) and t.effect.is_inertia]
+        own = [i for i, t in terms if t.effect.is_inertia]
         return [self.layout.coefficients(i).start for i in own]
 
     @property

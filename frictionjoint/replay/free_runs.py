@@ -106,7 +106,7 @@ def motor_of(fitted: Fit) -> Motor | None:
         return None
     emf = saturation = 0.0
     for i, term in enumerate(fitted.terms):
-        if term.opposes_voltage:
+        if term.effect.opposes_voltage:
             emf = float(fitted.term_coefficients(i)[0])
         elif isinstance(term, EffectTerm) and term.effect is SATURATION:
             saturation = float(fitted.term_coefficients(i)[0])

@@ -12,7 +12,6 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
-from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.rigid_body import RigidBody, direction
 from frictionjoint.identify.segment import Segment
 from frictionjoint.robot.corrections import Corrections, Shaft, levelling
@@ -93,7 +92,7 @@ class Along:
     def bodies(self, body: int) -> Array:
         """Torque per unit of a body's ten parameters, shape (k, 10)."""
         if body not in self._bodies:
-            self._bodies[body] = kept(self.original, self.regressor.body(body, self.dof))
+            self._bodies[body] = self.original.balanced(self.regressor.body(body, self.dof))
         return self._bodies[body]
 
     @cached_property
@@ -103,7 +102,7 @@ class Along:
     @cached_property
     def gravity(self) -> Array:
         """Torque per m/s^2 of gravity along x, y and z, shape (k, 3)."""
-        return kept(self.original, self.regressor.gravity_columns(self.dof, self.state.phi))
+        return self.original.balanced(self.regressor.gravity_columns(self.dof, self.state.phi))
 
     def offset(self, joint: str) -> Array:
         """Torque per rad (m) of a joint's zero, shape (k,)."""
@@ -112,7 +111,7 @@ class Along:
             bodies = self.tree.beyond[int(self.model.joint(joint).dofadr[0])]
             other = self.regressor.moved(self._trajectory(moved), bodies)
             self._turned[joint] = {
-                b: (kept(self.original, other.body(b, self.dof)) - self.bodies(b)) / _STEP
+                b: (self.original.balanced(other.body(b, self.dof)) - self.bodies(b)) / _STEP
                 for b in self.tree.beyond[self.dof]
                 if b in bodies
             }
@@ -142,7 +141,7 @@ class Along:
 
     def kept_shaft(self, shaft: Shaft) -> Array:
         """Torque per unit of a shaft's parameters, shape (k, 6)."""
-        return kept(self.original, self.shaft(shaft))
+        return self.original.balanced(self.shaft(shaft))
 
     @cached_property
     def _shafts(self) -> dict[Shaft, Array]:
@@ -180,7 +179,7 @@ class Along:
     @cached_property
     def rate(self) -> Array:
         """Acceleration of the joint on the kept samples, shape (k,)."""
-        return kept(self.original, self.acceleration[:, None])[:, 0]
+        return self.original.balanced(self.acceleration)
 
     def segment(self, like: Segment) -> Segment:
         """A log with the load of the corrected model.

@@ -12,7 +12,6 @@ from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
 from frictionjoint.identify.basis import lengths, orthonormal
-from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.search import FEWEST_WAVES
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.gear_coupling import GearCoupling
@@ -49,7 +48,7 @@ class _Part:
     def turns(self) -> Array:
         """Rotation of the shaft, on the kept samples of all logs, rad, shape (n,)."""
         pairs = zip(self.joint.alongs, self.joint.prepared.segments, strict=True)
-        return np.concatenate([kept(s, a.turn(self.shaft)[0]) for a, s in pairs])
+        return np.concatenate([s.balanced(a.turn(self.shaft)[0]) for a, s in pairs])
 
     def wave(self, waves: float) -> Array:
         """Columns of sine and cosine, the law projected out, shape (n, 2)."""

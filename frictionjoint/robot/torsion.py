@@ -18,7 +18,6 @@ from scipy.optimize import lsq_linear
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import GEAR, TIME, Q, V
 from frictionjoint.identify.basis import lengths
-from frictionjoint.identify.law_signals import kept
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.smooth import elastic_plastic
@@ -44,13 +43,13 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     span = max(float(np.ptp(log.position)) for log in logs)
     pairs = list(zip(logs, prepared.segments, strict=True))
     twist = np.concatenate([_twist(log, s, ratio, geared) for log, s in pairs])
-    torque = np.concatenate([kept(s, s.signals[:, [GEAR]])[:, 0] for s in prepared.segments])
+    torque = np.concatenate([s.balanced(s.signals[:, GEAR]) for s in prepared.segments])
     offsets = _offsets(prepared)
     size = root_mean_square(twist - offsets @ (offsets.T @ twist / offsets.sum(axis=0)))
     # with no twist the second position was computed from the first
     if size <= 1e-6 * span or not np.ptp(torque):
         return None
-    link = np.concatenate([kept(s, s.signals[:, [Q, V]]) for s in prepared.segments])
+    link = np.concatenate([s.balanced(s.signals[:, [Q, V]]) for s in prepared.segments])
     known = np.column_stack([offsets, link, torque])
     unit = torque / np.abs(torque).max()
     elements = [_element(prepared, reach) for reach in _REACHES]
@@ -147,9 +146,7 @@ def _twist(log: JointLog, segment: Segment, ratio: float, geared: Mapping[str, f
     assert log.motor_position is not None
     time = log.time[0] + segment.signals[:, TIME]
     turned = log.position + sum(c * log.other_positions[name] for name, c in geared.items())
-    return kept(segment, np.interp(time, log.time, ratio * log.motor_position - turned)[:, None])[
-        :, 0
-    ]
+    return segment.balanced(np.interp(time, log.time, ratio * log.motor_position - turned))
 
 
 def _element(prepared: Prepared, reach: float) -> Array:
@@ -157,7 +154,7 @@ def _element(prepared: Prepared, reach: float) -> Array:
     rows = []
     for s in prepared.segments:
         torque = np.ascontiguousarray(s.signals[:, GEAR])
-        rows.append(kept(s, elastic_plastic(torque, np.array([reach * np.ptp(torque)]))))
+        rows.append(s.balanced(elastic_plastic(torque, np.array([reach * np.ptp(torque)]))))
     return np.concatenate(rows)
 
 
