@@ -32,13 +32,6 @@ class Candidate:
         """Whether it is a dependence without a physical name."""
         return is_unnamed(self.term)
 
-    @property
-    def kind(self) -> tuple[str, str]:
-        """Key that is common to all shapes of one effect."""
-        if isinstance(self.term, EffectTerm):
-            return self.term.name, "effect"
-        return self.term.name, type(self.term).__name__
-
     def contains(self, other: "Candidate") -> bool:
         """Whether another candidate is this one with some coefficients fixed."""
         left = np.linalg.lstsq(self.columns, other.columns, rcond=None)[0]
@@ -49,6 +42,11 @@ class Candidate:
 def without_columns(term: Term) -> Candidate:
     """A term as a candidate that is fitted, not screened by columns."""
     return Candidate(term, np.zeros((0, 0)))
+
+
+def kind_of(term: Term) -> tuple[str, str]:
+    """Key that is common to all shapes of one effect."""
+    return term.name, "effect" if isinstance(term, EffectTerm) else type(term).__name__
 
 
 def is_unnamed(term: Term) -> bool:

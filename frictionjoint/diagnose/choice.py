@@ -75,7 +75,7 @@ def beyond_chance(move: Move, seen: Look) -> bool:
 
     Effects that are certain to exist are tested only for size.
     """
-    asked = [seen.find(c).p_value for c in move.added if not c.term.effect.first]
+    asked = [seen.find(c.term).p_value for c in move.added if not c.term.effect.first]
     return min(asked, default=0.0) <= SIGNIFICANCE
 
 

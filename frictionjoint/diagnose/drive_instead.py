@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.decisions import APART
-from frictionjoint.diagnose.candidate import Candidate, without_columns
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
@@ -52,7 +52,7 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         if is_small(term, instead, bare) or not as_much(instead, now):
             continue
         ties = (replaced.name,) if as_much(now, instead) else ()
-        row = found.look.find(without_columns(term))
+        row = found.look.find(term)
         finding = Finding(term, found.look, row, score.gain(found.now), ties, (), other)
         state.findings = with_changed(state.findings, own, replaced, partial(_as, finding))
         state.prepared, state.fit = prepared, other

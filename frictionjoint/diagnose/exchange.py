@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from frictionjoint.diagnose.candidate import Candidate, is_unnamed, without_columns
+from frictionjoint.diagnose.candidate import Candidate, is_unnamed
 from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
@@ -69,18 +69,18 @@ def weigh_others(state: State) -> None:
         return
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
-        others = _no_richer(state, own[i])
+        others = [c for c in _seen_with(state, own[i]) if numbers_of(c.term) <= numbers_of(own[i])]
         if not others:
             continue
         best, other = _in_place_of(state, blocks, i, others)
         now, instead = scored(state.fit, blocks), scored(other, blocks)
         simpler = numbers_of(best.term) < numbers_of(own[i]) and as_much(instead, now)
         if simpler and needed(instead, scored(without(state, own[i]), blocks)):
-            _take(state, own[i], partial(_instead, candidate=best), other)
+            _take(state, own[i], partial(_instead, term=best.term), other)
         elif not apart(now, instead):
             first = _precedes(best.term, own[i]) and not now.better(instead)
             if first and not _clearly_better_alone(state, own[i], best.term, blocks):
-                _take(state, own[i], partial(_first_of_tie, candidate=best), other)
+                _take(state, own[i], partial(_first_of_tie, term=best.term), other)
             else:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
 
@@ -126,7 +126,7 @@ def settle_ties(state: State) -> None:
             if as_much(instead, now):
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
         elif any(best.term.name in f.ties for f in state.findings if f.term.name == own[i].name):
-            _take(state, own[i], partial(_first_of_tie, candidate=best), other)
+            _take(state, own[i], partial(_first_of_tie, term=best.term), other)
 
 
 def exchange_drive(state: State, rng: np.random.Generator) -> bool:
@@ -146,30 +146,30 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             continue
         now = scored(state.fit, state.blocks)
         for other, seen in [*_other_drives(state, i), *_joints_instead(state, i, rng)]:
-            instead = without_columns(other.effects[i])
-            simpler = numbers_of(instead.term) < numbers_of(term)
-            alike = instead.term.name == term.name
+            instead = other.effects[i]
+            simpler = numbers_of(instead) < numbers_of(term)
+            alike = instead.name == term.name
             before = scored(other, state.blocks)
             if apart(now, before) and not simpler:
                 continue
             if now.better(before) and not (simpler or alike):
-                _change(state, term, partial(Finding.tied_with, term=instead.term))
+                _change(state, term, partial(Finding.tied_with, term=instead))
                 continue
             prepared, other = reweighed(state.prepared, other)
             after = state.blocks_of(prepared, other)
             same = scored(state.under(prepared), after)
             score = scored(other, after)
             if alike:
-                taken = _form_preferred(instead.term, score, term, same)
+                taken = _form_preferred(instead, score, term, same)
             else:
                 enough = as_much(score, same) or is_small(term, same, score)
                 taken = enough if simpler else needed(score, same)
             if taken:
-                _change(state, term, partial(_instead, candidate=instead, seen=seen))
+                _change(state, term, partial(_instead, term=instead, seen=seen))
                 state.prepared, state.fit = prepared, other
                 return True
             if alike and not apart(same, score):
-                _change(state, term, partial(_with_form, other=instead.term))
+                _change(state, term, partial(_with_form, other=instead))
     return False
 
 
@@ -191,7 +191,7 @@ def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
     name = state.fit.effects[i].name
     seen = next(f.look for f in state.findings if f.term.name == name)
     others = others_of_drive(state.prepared, state.fit, i)
-    return [(f, seen) for f in others if seen.holds(without_columns(f.effects[i]))]
+    return [(f, seen) for f in others if seen.holds(f.effects[i])]
 
 
 def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tuple[Fit, Look]]:
@@ -219,9 +219,9 @@ def _take(state: State, term: Term, change: Callable[[Finding], Finding], other:
     state.prepared, state.fit = reweighed(state.prepared, other)
 
 
-def _first_of_tie(finding: Finding, candidate: Candidate) -> Finding:
+def _first_of_tie(finding: Finding, term: Term) -> Finding:
     """The finding of an effect, restated for an effect that it is tied with."""
-    return _instead(finding, candidate).tied_with(finding.term)
+    return _instead(finding, term).tied_with(finding.term)
 
 
 def _precedes(one: Term, other: Term) -> bool:
@@ -239,16 +239,16 @@ def _with_form(finding: Finding, other: Term) -> Finding:
     return replace(finding, forms=(*finding.forms, other.effect))
 
 
-def _instead(finding: Finding, candidate: Candidate, seen: Look | None = None) -> Finding:
+def _instead(finding: Finding, term: Term, seen: Look | None = None) -> Finding:
     """A finding of one effect, rewritten for another effect.
 
     Args:
         seen: the step that tried the other effect; None: the step of the finding.
     """
     look = seen or finding.look
-    row = look.find(candidate)
+    row = look.find(term)
     ties = tuple(name for name in finding.ties if name != row.name)
-    return replace(finding, term=candidate.term, look=look, row=row, ties=ties, forms=())
+    return replace(finding, term=term, look=look, row=row, ties=ties, forms=())
 
 
 def _in_place_of(
@@ -268,13 +268,8 @@ def most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) ->
     return [others[k] for k in in_order(range(len(others)), lambda k: left[k])]
 
 
-def _no_richer(state: State, term: Term) -> list[Candidate]:
-    """Named candidates with no more numbers than an effect of the model."""
-    return [c for c in _seen_with(state, term) if numbers_of(c.term) <= numbers_of(term)]
-
-
 def _seen_with(state: State, term: Term) -> list[Candidate]:
     """Named candidates from the step of the search that added an effect of the model."""
     looks = [f.look for f in state.findings if f.term.name == term.name]
     named = [c for c in state.candidates if not c.unnamed]
-    return [c for c in named if all(look.holds(c) for look in looks)]
+    return [c for c in named if all(look.holds(c.term) for look in looks)]

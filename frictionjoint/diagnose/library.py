@@ -14,7 +14,7 @@ from frictionjoint.diagnose.short_waves import nearly_curves, short_waves
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.signals import TEMP, Q, parts_of_load
+from frictionjoint.effects.signals import TEMP, parts_of_load
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
@@ -233,8 +233,7 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
     terms: list[Term] = []
     for variable in [*VARIABLES, *prepared.segments[0].others]:
         terms += _curves(prepared, signals, variable)
-    span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
-    reaches = tuple(span * part for part in (0.01, 0.03, 0.1, 0.3))
+    reaches = tuple(prepared.span * part for part in (0.01, 0.03, 0.1, 0.3))
     terms.append(HysteresisTerm("position", reaches))
     if prepared.drive == "torque" and not prepared.commanded:
         size = np.concatenate([np.abs(s.drive[s.mask]) for s in prepared.segments])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.candidate import Candidate
+from frictionjoint.diagnose.candidate import Candidate, kind_of
 from frictionjoint.diagnose.chance import p_values
 from frictionjoint.diagnose.gram import Columns, Screen, screen
 from frictionjoint.identify.blocks import Blocks, halves
@@ -84,13 +84,13 @@ class Look(NamedTuple):
         total = float(self.without.sum())
         return 1.0 - float(row.left.sum()) / total if total > 0.0 else 0.0
 
-    def holds(self, candidate: Candidate) -> bool:
-        """Whether a candidate's kind was tried."""
-        return any(r.candidate.kind == candidate.kind for r in self.rows)
+    def holds(self, term: Term) -> bool:
+        """Whether a term's kind was tried."""
+        return any(kind_of(r.candidate.term) == kind_of(term) for r in self.rows)
 
-    def find(self, candidate: Candidate) -> Looked:
-        """The row of a candidate's kind."""
-        return next(r for r in self.rows if r.candidate.kind == candidate.kind)
+    def find(self, term: Term) -> Looked:
+        """The row of a term's kind."""
+        return next(r for r in self.rows if kind_of(r.candidate.term) == kind_of(term))
 
 
 def look(
@@ -101,7 +101,7 @@ def look(
     without, _ = found.held_out(found.terms)
     kinds: dict[tuple[str, str], list[int]] = {}
     for i, candidate in enumerate(candidates):
-        kinds.setdefault(candidate.kind, []).append(i)
+        kinds.setdefault(kind_of(candidate.term), []).append(i)
     found_p, chance = p_values(found, [c.among for c in candidates], rng)
     named = {kind: at for kind, at in kinds.items() if not candidates[at[0]].unnamed}
     frequencies = dict(zip(named, _frequencies(found, list(named.values()), rng), strict=True))
@@ -172,7 +172,7 @@ class Moves:
         return [m for found, most in sorts for m in in_order(found, _total)[:most]]
 
     def _added(self, candidates: Sequence[Candidate]) -> list[Move]:
-        return [Move((*self.own, c.term), (c,), self.seen.find(c).left) for c in candidates]
+        return [Move((*self.own, c.term), (c,), self.seen.find(c.term).left) for c in candidates]
 
     def _pairs(self) -> list[Move]:
         found = []

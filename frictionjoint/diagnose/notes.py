@@ -24,6 +24,7 @@ DIVERGES = (
     "motion by more than all its travel, so no position error is stated. Check masses, gravity and "
     "signs of the MJCF, and the units of the logs."
 )
+HELD = "The torque is held from one sample to the next. The fit accounts for it."
 NO_LOAD = (
     "The drive does not grow with the load of the MJCF: check signs and zeros of this joint and of "
     "those beyond it, or the load is too small to show."
@@ -57,7 +58,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *_rest_note(found),
         *_sight_note(found),
         *_laws_note(found),
-        *_hold_note(found),
+        *((HELD,) if found.prepared.band.zero_order_hold else ()),
     )
 
 
@@ -71,13 +72,6 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
             if abs(time) > SURELY * error:
                 said.append(term.says(f"{1e3 * abs(time):.2g} ± {1e3 * error:.1g} ms"))
     return tuple(said)
-
-
-def _hold_note(found: Trace) -> tuple[str, ...]:
-    """Note that the drive is constant between samples."""
-    if not found.prepared.band.zero_order_hold:
-        return ()
-    return ("The torque is held from one sample to the next. The fit accounts for it.",)
 
 
 def _laws_note(found: Trace) -> tuple[str, ...]:

@@ -97,14 +97,12 @@ def added(
             more = {f"{key}_{number}": x for key, x in parameters.items()}
             entries[name] = replace(first, parameters=first.parameters | more, torque_rms=rms)
         else:
-            entries[name] = Added(name, _effect(step).cause, parameters, _evidence(step), rms)
+            evidence = Evidence(
+                *(step.gain, step.row.p_value, step.row.frequency),
+                *(step.runner_up, step.margin, step.ties),
+            )
+            entries[name] = Added(name, _effect(step).cause, parameters, evidence, rms)
     return tuple(entries.values())
-
-
-def _evidence(step: Finding) -> Evidence:
-    return Evidence(
-        step.gain, step.row.p_value, step.row.frequency, step.runner_up, step.margin, step.ties
-    )
 
 
 def curves(fitted_on: Prepared, kept_back: Prepared | None, found: Trace) -> tuple[Curve, ...]:

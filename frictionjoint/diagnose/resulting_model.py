@@ -9,10 +9,12 @@ from frictionjoint.diagnose.joint_logs import JointLogs
 from frictionjoint.identify.fit import Fit, with_gain
 from frictionjoint.identify.gate import check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.refine.refine import Refined
-from frictionjoint.refine.refined_model import RefinedModel, refined_in_windows
+from frictionjoint.refine.refine import Refined, refine
+from frictionjoint.refine.refined_model import RefinedModel
+from frictionjoint.replay.closed_loop import driven_courses
 from frictionjoint.replay.free_runs import simulated_whole
 from frictionjoint.replay.loops import LoopErrors
+from frictionjoint.replay.windows import WINDOW_S
 
 
 @dataclass(frozen=True)
@@ -44,13 +46,13 @@ class ResultingModel:
 
 
 def resulting_model(
-    logs: JointLogs, found: Trace, refine: bool | None, progress: Callable[[str], None]
+    logs: JointLogs, found: Trace, asked: bool | None, progress: Callable[[str], None]
 ) -> ResultingModel:
     """Refine the outcome of a search by simulation, and state it in units of the drive if the gain
     is unknown.
 
     Args:
-        refine: see `commands.close_loop`.
+        asked: whether to refine, see `commands.close_loop`.
     """
     kept_back = found.as_fitted(logs.kept_back) if logs.kept_back else None
     loops, body, shows = logs.loops, logs.body, load_shows(found.final)
@@ -62,16 +64,16 @@ def resulting_model(
     outcome, refined = None, None
     if loops and shows:
         # if the load is weakly excited the gain is poorly determined: the best one, with its error
-        if refine is not False:
+        if asked is not False:
             found, outcome = named_by_motion(found, loops.fit, body.armature, progress)
             # a gain with a standard error as large as itself may be any
             scaled = scaled or (outcome.taken and outcome.gain_error < 1.0)
             refined = RefinedModel.of(outcome, loops, body.slide, scaled)
         closed = loops.errors((found.base, found.final))
-    elif refine and scaled and simulated_whole(found.final, body.armature, in_closed_loop=True):
-        outcome = refined_in_windows(
-            found.prepared, found.final, logs.fitted, logs.bodies, progress
-        )
+    elif asked and scaled and simulated_whole(found.final, body.armature, in_closed_loop=True):
+        # runs from the measured motion, driven by the measured drive (multiple shooting)
+        courses = driven_courses(logs.fitted, logs.bodies, found.prepared, WINDOW_S)
+        outcome = refine(found.prepared, found.final, courses, progress)
         refined = RefinedModel.of(outcome, None, body.slide, scaled)
     best = outcome.fit if outcome else found.final
     if not scaled:

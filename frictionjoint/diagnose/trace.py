@@ -159,8 +159,8 @@ def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Gener
     seen = state.look
     fitted = compared(state.prepared, tuple(c.term for c in first), state.fit.shape)
     findings = [
-        Finding(term, seen, seen.find(c), seen.gain(seen.find(c)), (), (), fitted)
-        for term, c in zip(fitted.effects, first, strict=True)
+        Finding(term, seen, seen.find(term), seen.gain(seen.find(term)), (), (), fitted)
+        for term in fitted.effects
     ]
     prepared, fitted = reweighed(state.prepared, fitted)
     own = replace(state, prepared=prepared, fit=fitted, findings=findings, look=seen)
@@ -281,8 +281,8 @@ def _changed(state: State, choice: Choice, tried: Sequence[Tried], now: Scored) 
         Finding(
             term=candidate.term,
             look=seen,
-            row=seen.find(candidate),
-            gain=min(gain, seen.gain(seen.find(candidate))) if gain > 0 else gain,
+            row=seen.find(candidate.term),
+            gain=min(gain, seen.gain(seen.find(candidate.term))) if gain > 0 else gain,
             ties=choice.ties,
             rivals=rivals_of(taken, tried, now),
             fit=fitted,

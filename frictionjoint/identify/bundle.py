@@ -5,58 +5,26 @@ For a short log, a call takes longer than the computation and blocks other threa
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, A, V
 from frictionjoint.identify.cache import Cache
-from frictionjoint.identify.commanded import Change, Commanded, CommandedLogs
-from frictionjoint.identify.reversals import Path
-from frictionjoint.identify.tracks import Start, Tracks
-from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, places
+from frictionjoint.identify.commanded import Change, CommandedLogs
+from frictionjoint.identify.tracks import Tracks
+from frictionjoint.measured.lowpass import LowPasses, Spectrum, places
+
+if TYPE_CHECKING:  # a prepared log bundles what it is made of
+    from frictionjoint.identify.segment import Segment
 
 
-class Log(Protocol):
-    """Interface of a log in a bundle, see `segment.Segment`."""
-
-    @property
-    def path(self) -> Path:
-        """Time and position that a law is driven along."""
-
-    @property
-    def start(self) -> Start:
-        """Initial state of the log."""
-
-    @property
-    def filter(self) -> LowPass:
-        """Filter of the torque balance."""
-
-    @property
-    def kept(self) -> NDArray[np.bool_]:
-        """Filtered samples that a fit uses."""
-
-    @property
-    def signals(self) -> Array:
-        """Signals of the motion, shape (n, N_SIGNALS)."""
-
-    @property
-    def drive(self) -> Array:
-        """Drive as measured or computed by a controller, shape (n,)."""
-
-    @property
-    def commanded(self) -> Commanded | None:
-        """Commands of its controller, from which the drive was computed."""
-
-
-_Log = TypeVar("_Log", bound=Log)
 # drives of the logs with each filter
 Spectra = list[Spectrum]
 
 
-class Bundle(Generic[_Log]):
+class Bundle:
     """Concatenated logs.
 
     Attributes:
@@ -64,7 +32,7 @@ class Bundle(Generic[_Log]):
         store: cache of columns and targets of torque balances, and of laws along the logs.
     """
 
-    def __init__(self, logs: Sequence[_Log]) -> None:
+    def __init__(self, logs: Sequence["Segment"]) -> None:
         self.logs = tuple(logs)
         self.places = places([len(log.drive) for log in logs])
         self._filters = LowPasses([log.filter for log in logs])
@@ -131,16 +99,6 @@ class Bundle(Generic[_Log]):
 
     def damping_rate(self, changes: Sequence[Change]) -> Array:
         """Rate of the damping part of the controllers' drives, in drive units per s, (m,)."""
-        return self._damping_rate_of(changes) if changes else self._damping_rate
-
-    @cached_property
-    def _damping_rate(self) -> Array:
-        """The damping rate of unchanged drives, cached because every search of such logs requires
-        it.
-        """
-        return self._damping_rate_of(())
-
-    def _damping_rate_of(self, changes: Sequence[Change]) -> Array:
         found = np.zeros_like(self.velocity)
         if self._commanded is not None:
             self._put(self._commanded.damping(changes), found)

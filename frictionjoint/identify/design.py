@@ -19,7 +19,7 @@ from frictionjoint.identify.bundle import Bundle, Spectra
 from frictionjoint.identify.law_signals import columns_of_term, with_track
 from frictionjoint.identify.layout import LEAST_LEVEL, Layout, layout_of, term_bounds
 from frictionjoint.identify.motor_torque import with_motor
-from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import (
     DriveTerm,
@@ -160,7 +160,7 @@ class Balance:
     def _law(self, law: Shape, i: int) -> Array:
         return self._columns_of(self._track(law, i), self._parts[i])
 
-    def _columns_of(self, track: Array, part: Bundle[Segment]) -> Array:
+    def _columns_of(self, track: Array, part: Bundle) -> Array:
         """Columns of a law along logs."""
         if "sigma1" in self.layout.base:
             return part.kept(np.stack([track[0], track[1] * part.velocity]))

@@ -6,14 +6,12 @@ linear torque balance is solved, in a fraction of a second:
     torque = load + friction + viscosity * v + residual
 
 * **Signs.** Friction takes power from the joint. If it would supply power, a sign is wrong,
-whatever
-  else the balance contains. So it is if gravity and inertia both appear with the opposite sign, for
-  example in a torque that was measured behind the friction.
+  whatever else the balance contains. So it is if gravity and inertia both appear with the opposite
+  sign, for example in a torque that was measured behind the friction.
 * **Units, clocks, another joint's columns.** The load of the model and friction of any level must
   explain some of the torque.
 * **Units too large.** A large torque could be friction; but the gravity and the inertia that the
-torque
-  shows cannot both be the same large multiple of the model's.
+  torque shows cannot both be the same large multiple of the model's.
 """
 
 from typing import NamedTuple

@@ -7,7 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, V
 from frictionjoint.identify.bundle import Bundle
-from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 
@@ -21,7 +21,7 @@ def full_signals(prepared: Prepared, shape: Shape, Fc: float, sigma2: float) -> 
     return found
 
 
-def with_track(track: Array, bundle: Bundle[Segment]) -> Iterator[Array]:
+def with_track(track: Array, bundle: Bundle) -> Iterator[Array]:
     """Signals of each log with H and RATE of a law, shape (2, n), filled in."""
     for segment, own in zip(bundle.logs, bundle.places, strict=True):
         signals = segment.signals.copy()
@@ -29,7 +29,7 @@ def with_track(track: Array, bundle: Bundle[Segment]) -> Iterator[Array]:
         yield signals
 
 
-def columns_of_term(term: Term, signals: Iterable[Array], part: Bundle[Segment]) -> Array:
+def columns_of_term(term: Term, signals: Iterable[Array], part: Bundle) -> Array:
     """Columns of a term along each log of a bundle, on the kept samples, (m, k)."""
     logs = zip(part.logs, signals, strict=True)
     return part.kept(np.concatenate([term.columns(s, x) for s, x in logs]).T)

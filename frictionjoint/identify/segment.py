@@ -5,10 +5,10 @@ the balance pass a second filter. So both sides of the balance are filtered equa
 evaluated along a motion with a wider band than the balance.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,6 +162,14 @@ class Segment:
         """The mask on the decimated grid."""
         return self.mask[:: self.step]
 
+    def each(self, change: Callable[[Array], Array]) -> Self:
+        """The log with a change of every array along its samples."""
+        names = ("signals", "drive", "driven", "mask", "weight", "unknown", "saturated")
+        arrays = {n: x for n in names if (x := getattr(self, n)) is not None}
+        changed: dict[str, Any] = {n: change(x) for n, x in arrays.items()}
+        others = {name: change(x) for name, x in self.others.items()}
+        return replace(self, **changed, others=others, driven_along=None)
+
     def without_limits(self) -> Self:
         """The log without samples at the end of its drive's range, see `Band`."""
         if self.saturated is None:
@@ -259,7 +267,7 @@ class Prepared:
         (whole,) = self.bundles(1)
         return whole.load_and_velocity[:, 0]
 
-    def bundles(self, parts: int) -> tuple[Bundle[Segment], ...]:
+    def bundles(self, parts: int) -> tuple[Bundle, ...]:
         """The logs in at most a given number of parts, with about equal numbers of samples."""
         parts = min(parts, len(self.segments))
         if parts not in self._bundles:
@@ -282,7 +290,7 @@ class Prepared:
         return [whole[own] for own in places([len(one) for one in x])]
 
     @cached_property
-    def _bundles(self) -> dict[int, tuple[Bundle[Segment], ...]]:
+    def _bundles(self) -> dict[int, tuple[Bundle, ...]]:
         return {}
 
     @cached_property
@@ -347,18 +355,11 @@ def _thinned(s: Segment, factor: float) -> Segment:
     signals = s.signals[::step].copy()
     signals[1:, DT] = dt = s.dt * step
     return replace(
-        s,
+        s.each(lambda x: x[::step]),
         dt=dt,
         bandwidth_hz=bandwidth_hz,
         step=max(1, int(1.0 / (dt * A_BALANCE * bandwidth_hz))),
         signals=signals,
-        driven_along=None,
         drive=smooth(s.drive),
         commanded=None if s.commanded is None else s.commanded.thinned(smooth),
-        driven=s.driven[::step],
-        mask=s.mask[::step],
-        weight=None if s.weight is None else s.weight[::step],
-        unknown=None if s.unknown is None else s.unknown[::step],
-        saturated=None if s.saturated is None else s.saturated[::step],
-        others={name: x[::step] for name, x in s.others.items()},
     )

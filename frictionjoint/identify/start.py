@@ -17,7 +17,6 @@ from frictionjoint.arrays import Array, Index
 from frictionjoint.identify.basis import lengths
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import IN_MOTION, Fit
-from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
@@ -177,17 +176,7 @@ def _head(segment: Segment, apart: Index) -> Segment:
         return replace(segment, driven_along=segment.path)
     mask = segment.mask[: end + reach].copy()
     mask[end:] = False  # the filter's edge
-    signals = segment.signals[: end + reach]
-    return replace(
-        segment,
-        signals=signals,
-        driven_along=path_of(signals, segment.noise.resolution),
-        drive=segment.drive[: end + reach],
-        driven=segment.driven[: end + reach],
-        mask=mask,
-        others={name: x[: end + reach] for name, x in segment.others.items()},
-        unknown=None if segment.unknown is None else segment.unknown[: end + reach],
-    )
+    return replace(segment.each(lambda x: x[: end + reach]), mask=mask)
 
 
 class Prediction(NamedTuple):

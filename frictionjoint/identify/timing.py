@@ -17,12 +17,13 @@ class Timing:
     """A time offset that is fitted together with the law, see `terms.Term`.
 
     Attributes:
-        sample: sampling interval of the log, s. shape: the offset, s.
+        sample: sampling interval of the log, s. shape: the offset, s. within: its range, samples.
     """
 
     sample: float
     shape: tuple[float, ...] = (0.0,)
     name: ClassVar[str] = "timing"
+    within: ClassVar[tuple[float, float]] = (-1.0, 1.0)
     coefficients: ClassVar[tuple[str, ...]] = ()
     follows_law: ClassVar[bool] = False
     effect: ClassVar[Effect] = NOTHING
@@ -45,8 +46,9 @@ class Timing:
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """One sample in each direction."""
-        return ((-self.sample, self.sample),)
+        """Range of the offset, s."""
+        first, last = self.within
+        return ((first * self.sample, last * self.sample),)
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
         """The offset with another time."""
@@ -94,11 +96,7 @@ class TargetTiming(Timing):
     """
 
     name = "timing of the target"
-
-    @property
-    def limits(self) -> tuple[tuple[float, float], ...]:
-        """From an interpolated target to one sample late."""
-        return ((-0.5 * self.sample, self.sample),)
+    within = (-0.5, 1.0)
 
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
         """The controller with its delay changed by the offset."""
@@ -146,11 +144,8 @@ class DampingAge(Timing):
     """
 
     name = "age of the damping"
-
-    @property
-    def limits(self) -> tuple[tuple[float, float], ...]:
-        """Half a sample in each direction, because a step is no longer than a sample."""
-        return ((-0.5 * self.sample, 0.5 * self.sample),)
+    # a step is no longer than a sample
+    within = (-0.5, 0.5)
 
     def says(self, size: str) -> str:
         """The note on an old velocity in viscous friction."""

@@ -4,15 +4,12 @@ Three estimates of the parameters' covariance are computed, and in every directi
 used:
 
 * the sandwich summed over blocks of time (White 1980, by cluster): samples of a block may be
-correlated in
-  any way, blocks are independent;
+  correlated in any way, blocks are independent;
 * the jackknife that leaves out one log at a time: effects common to a log (a temperature, a motion
-that
-  the law describes badly) are one draw each;
+  that the law describes badly) are one draw each;
 * the jackknife that leaves out one regime of speed and direction at a time: if the law has the
-wrong form,
-  its error is the same whenever the joint moves in the same way, however often that is recorded,
-  and resampling of time does not show it.
+  wrong form, its error is the same whenever the joint moves in the same way, however often that is
+  recorded, and resampling of time does not show it.
 
 They cover noise with memory, and a law whose error differs between logs or speeds. They do not
 cover errors common to all logs and speeds: a wrong torque scale, a wrong mass in the MJCF, a

@@ -5,10 +5,8 @@ Over a step of length h that ends with the velocity w the friction torque is
     F = Fh + (h K + D) w
 
 Fh: hysteresis torque at the start of the step. K: its secant between the start and the expected
-end.
-D = sigma1 dz/dq + sigma2, both at the expected end. The expected end follows from an implicit step
-of the
-joint alone under the impulse r that remains while Fh is constant:
+end. D = sigma1 dz/dq + sigma2, both at the expected end. The expected end follows from an implicit
+step of the joint alone under the impulse r that remains while Fh is constant:
 
     J w + h (Fh(q + h w) - Fh(q) + D w) = r
 """

@@ -1,18 +1,12 @@
-"""A refinement as the report states it, and the refinement of logs with a measured drive."""
+"""A refinement as the report states it."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from frictionjoint.identify.fit import Fit, without_scale
+from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
-from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import Prepared
-from frictionjoint.measured.log import JointLog
-from frictionjoint.refine.refine import Refined, refine
-from frictionjoint.replay.closed_loop import driven_courses
+from frictionjoint.refine.refine import Refined
 from frictionjoint.replay.loops import LoopErrors, Loops
-from frictionjoint.replay.windows import WINDOW_S
 
 
 @dataclass(frozen=True)
@@ -67,19 +61,3 @@ class RefinedModel:
             ),
             "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
         }
-
-
-def refined_in_windows(
-    prepared: Prepared,
-    fitted: Fit,
-    logs: Sequence[JointLog],
-    bodies: Sequence[RigidBody],
-    progress: Callable[[str], None],
-) -> Refined:
-    """Refine by runs from the measured motion, driven by the measured drive (multiple shooting).
-
-    Args:
-        prepared: these logs. fitted: to them. bodies: one per log.
-    """
-    courses = driven_courses(logs, bodies, prepared, WINDOW_S)
-    return refine(prepared, fitted, courses, progress)

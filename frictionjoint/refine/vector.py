@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.inertia_of_signals import inertia_of
-from frictionjoint.effects.signals import LOAD, Q, V
+from frictionjoint.effects.signals import LOAD
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.search import shape_limits
@@ -61,11 +61,10 @@ class Vector:
         size = np.maximum(np.abs(self.start), 1e-12)
         # a level that the balance puts at zero may still improve the motion
         levels = slice(self.has_gain, len(self.layout.base))
-        speed = float(np.quantile(_speeds(prepared), 0.99)) or 1.0
         names = fitted.names[levels]
         # where the torque fit found no level
         torque = 0.05 * fitted.target_rms
-        least = [torque if n == "Fc" else torque / speed for n in names]
+        least = [torque if n == "Fc" else torque / prepared.top_speed for n in names]
         size[levels] = np.maximum(size[levels], least)
         if self.has_gain:
             size[0] = 1.0
@@ -101,7 +100,6 @@ class Vector:
             low, high = [-np.inf], [np.inf]
         names = self.fitted.names[self.has_gain : len(self.layout.base)]
         # a law has a level, however small
-        # least level of a law, over the torque's rms
         low += [1e-6 * self.fitted.target_rms if name == "Fc" else 0.0 for name in names]
         high += [np.inf] * len(names)
         for term in self.fitted.terms:
@@ -112,9 +110,7 @@ class Vector:
             for least, most in bounds or free:
                 low.append(least)
                 high.append(most)
-        speeds = _speeds(prepared)
-        span = max(float(np.ptp(s.signals[:, Q])) for s in prepared.segments)
-        least_law, most_law = self.fitted.shape.bounds(float(np.quantile(speeds, 0.99)), span)
+        least_law, most_law = self.fitted.shape.bounds(prepared.top_speed, prepared.span)
         low += list(least_law)
         high += list(most_law)
         for term in self.fitted.terms:
@@ -192,7 +188,3 @@ class Vector:
             moved = tuple(float(v) for v in x[self.layout.numbers(i)])
             terms.append(term.with_shape(moved) if moved else term)
         return replace(f, shape=f.shape.moved(x[at]), terms=tuple(terms), beta=beta, gain=gain)
-
-
-def _speeds(prepared: Prepared) -> Array:
-    return np.concatenate([np.abs(s.signals[:, V]) for s in prepared.segments])

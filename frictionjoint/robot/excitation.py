@@ -56,10 +56,9 @@ def next_trajectory(
             rng.normal(size=(2, _HARMONICS, len(joints))) / np.arange(1, _HARMONICS + 1)[:, None]
         )
         middle = rng.uniform(0.3, 0.7, len(joints))
-        motion = _within(model, joints, limits, series, middle, time)
-        if motion is None:
+        scale = _within(model, joints, limits, series, middle, time)
+        if scale is None:
             continue
-        scale, _ = motion
         further = _gram(model, joints, moving, known, _motion(limits, scale * series, middle, time))
         after = Information(known.parameters, known.gram + further)
         inner = after.gram[np.ix_(at, at)]
@@ -122,12 +121,12 @@ def _within(
     series: Array,
     middle: Array,
     time: Array,
-) -> tuple[float | Array, Array] | None:
-    """Scales of each joint's series that keep all limits, and the positions."""
+) -> Array | None:
+    """Scales of each joint's series that keep all limits."""
     q, _, _ = _motion(limits, series, middle, time)
     centre = limits.low + middle * (limits.high - limits.low)
     moved = np.abs(q - centre).max(axis=0)
-    scale = np.minimum(centre - limits.low, limits.high - centre) / np.maximum(moved, 1e-12)
+    scale: Array = np.minimum(centre - limits.low, limits.high - centre) / np.maximum(moved, 1e-12)
     for _ in range(12):
         q, v, a = _motion(limits, scale * series, middle, time)
         slow = limits.speed / np.maximum(np.abs(v).max(axis=0), 1e-12)
@@ -136,7 +135,7 @@ def _within(
             continue
         heavy, touches = _checked(model, joints, q, v, a, limits)
         if not touches and not heavy.any():
-            return scale, q
+            return scale
         scale = scale * (0.8 if touches else np.where(heavy, 0.8, 1.0))
     return None
 

@@ -47,17 +47,9 @@ class Regressor:
         found = _component(self.dofs[dof], self.frames[body], self._motions[body])
         return np.ascontiguousarray(found.T)
 
-    def bodies(self, dof: int) -> Array:
-        """Columns of all bodies in order, the world's first, shape (n, 10 nbody)."""
-        return np.concatenate([self.body(b, dof) for b in range(self.tree.model.nbody)], axis=1)
-
-    def torque(self, dof: int, phi: Array | None = None) -> Array:
-        """Torque of all bodies at a degree of freedom, shape (n,).
-
-        Args:
-            phi: of all bodies, shape (nbody, 10); None: the model's.
-        """
-        phi = of_model(self.tree.model) if phi is None else phi
+    def torque(self, dof: int) -> Array:
+        """Torque of all bodies of the model at a degree of freedom, shape (n,)."""
+        phi = of_model(self.tree.model)
         found = np.zeros(len(self.trajectory))
         for b in self.tree.beyond[dof]:
             found += self.torque_of(b, dof, phi[b])
@@ -72,13 +64,12 @@ class Regressor:
             force = moment + cross(frame.p - point, force)
         return np.asarray(np.sum(axis * force, axis=0))
 
-    def gravity_columns(self, dof: int, phi: Array | None = None) -> Array:
+    def gravity_columns(self, dof: int, phi: Array) -> Array:
         """Torque at a degree of freedom per m/s^2 of gravity along x, y and z, shape (n, 3).
 
         Args:
-            phi: of all bodies, shape (nbody, 10); None: the model's.
+            phi: of all bodies, shape (nbody, 10).
         """
-        phi = of_model(self.tree.model) if phi is None else phi
         axis, point = self.dofs[dof].axis, self.dofs[dof].point
         moved = np.zeros((len(self.trajectory), 3))
         for b in self.tree.beyond[dof]:
