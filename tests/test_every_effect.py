@@ -10,7 +10,7 @@ import pytest
 from acting import acting, arm, ctrl, name, natively, torques
 
 import frictionjoint as fj
-from frictionjoint.effects.catalogue import SIMULATED
+from frictionjoint.effects.catalogue import CATALOGUE, SIMULATED, title
 
 ALL = torques()
 
@@ -50,3 +50,10 @@ def test_what_is_no_torque_is_a_part_of_the_model(effect):
                 track.append([data.joint("b").qpos[0], data.sensor("a_position").data[0]])
         tracks.append(track)
     assert np.abs(np.subtract(*tracks)).max() > 1e-3
+
+
+def test_each_form_of_a_wave_in_position_has_its_own_title() -> None:
+    torque, level = (e for e in CATALOGUE if e.name == "position-periodic")
+    assert title(torque.name) == title(torque.name, torque.cause) == "cogging"
+    assert title(level.name, level.cause) == title(level.name, level.effect_id)
+    assert "friction" in title(level.name, level.cause)

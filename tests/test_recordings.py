@@ -201,6 +201,20 @@ def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
     assert "viscous friction" in found.notes[-1]
 
 
+def test_differences_within_the_error_of_a_law_are_not_stated() -> None:
+    """Fc of three recordings differs by 2%, and not by chance: a law errs by as much."""
+    k = known()
+    stated = Stated(
+        "elbow", str(k.model), Posterior(dict(k.content), np.diag(np.sqrt(np.diag(k.cov))))
+    )
+    found = with_recordings(
+        stated, [recording(50 + i, Fc=x) for i, x in enumerate((0.294, 0.3, 0.306))]
+    )
+    (row,) = [row for row in found.recordings if row["number"] == "Fc"]
+    assert row["p_value"] < 0.01
+    assert not [note for note in found.notes if "Coulomb friction varies" in note]
+
+
 def test_recordings_that_are_not_compared_are_said() -> None:
     k = known()
     stated = Stated("elbow", str(k.model), Posterior(dict(k.content), np.zeros((len(k.cov), 1))))

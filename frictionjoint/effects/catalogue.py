@@ -84,14 +84,18 @@ DRIVE_EFFECTS: tuple[Effect, ...] = (
 )
 
 
-def title(name: str) -> str:
+def title(name: str, form: str | int = "") -> str:
     """Common name of an effect, from its canonical name; a location after " of " is kept.
 
     An effect without a title is called by its canonical name, with spaces instead of dashes.
+
+    Args:
+        form: cause or `effect_id` of the form that acts, where an effect has several.
     """
     own, of, place = name.partition(" of ")
-    plain = next((e.title for e in EVERY if e.name == own and e.title), "")
-    return (plain or own.replace("-", " ")) + of + place
+    forms = [e for e in EVERY if e.name == own and e.title]
+    acting = [e for e in forms if form in (e.cause, e.effect_id)] or forms
+    return (acting[0].title if acting else own.replace("-", " ")) + of + place
 
 
 EVERY = (*SIMULATED, *DRIVE_EFFECTS)

@@ -43,6 +43,7 @@ EFFECT = Effect(
 
 PERIODIC_LEVEL = replace(
     EFFECT,
+    title="friction that varies with position",
     effect_id=12,
     cause="a friction level that varies along the teeth",
     form="(a sin(N q) + b cos(N q)) Fh/Fc, reached over `reach` of motion",

@@ -12,6 +12,7 @@ from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import FrictionJointError, ParameterError
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import LOOSE
+from frictionjoint.identify.weights import DISCREPANCY
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import Between, over
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
@@ -56,9 +57,10 @@ def with_recordings(
             open_ones.append(number.words)
             continue
         rows.append(_row(number.name, between, own, i))
-        # one false alarm in twenty reports, over all parameters; and a law of another form may
-        # fit recordings of another motion with values that differ by as much as their own errors
-        if between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > stderr:
+        # one false alarm in twenty reports, over all parameters; and no law is exact, so values of
+        # recordings of unlike motion differ by its error, or by that of the parameter
+        least = max(stderr, DISCREPANCY * abs(between.mean))
+        if between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > least:
             column = np.zeros((len(known.cov), 1))
             column[list(number.indices)] = between.deviation
             columns.append(column)

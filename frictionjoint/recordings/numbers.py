@@ -18,7 +18,8 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameter_meanings import meaning
 from frictionjoint.refine.posterior import is_number, numbers_in, with_numbers
 
-_SHAPES = ("delta", "n", "i", "form", "reach", "sigma1")
+# N counts teeth or magnets
+_SHAPES = ("delta", "n", "i", "form", "reach", "sigma1", "N")
 _ABOVE = {"Fs": "Fs - Fc"}
 
 
@@ -29,19 +30,24 @@ class Number:
     Attributes:
         name: its symbol; for a parameter of an effect, the effect's canonical name and the symbol.
         indices: of the numbers in a parameter file, two if both directions share one value.
-        of_law: whether the parameter belongs to the law.
+        effect: common name of the effect that it belongs to; empty for the law.
     """
 
     name: str
     indices: tuple[int, ...]
-    of_law: bool
+    effect: str
+
+    @property
+    def of_law(self) -> bool:
+        """Whether the parameter belongs to the law."""
+        return not self.effect
 
     @property
     def words(self) -> str:
         """Description of the parameter."""
         if not self.of_law:
             effect, _, number = self.name.partition(" ")
-            return f"{quantity_of(effect, number)} ({title(effect)})"
+            return f"{quantity_of(effect, number)} ({self.effect})"
         symbol, above, _ = self.name.partition(" - ")
         return meaning(symbol) + (" above Coulomb friction" if above else "")
 
@@ -49,25 +55,26 @@ class Number:
 def numbers_of(content: Mapping[str, Any]) -> list[Number]:
     """The parameters in a parameter file by which recordings are compared."""
     values = numbers_in(content)
-    places: list[tuple[str, int, bool]] = []
+    places: list[tuple[str, int, str]] = []
     at = 0
     for key, x in content.items():
         if key == "knots":
             at += 2 * len(x)
         elif key == "effects":
             for table in x:
+                plain = title(table["effect"], table["form"])
                 for name, value in table.items():
                     if is_number(name, value):
                         if name not in _SHAPES:
-                            places.append((f"{table['effect']} {name}", at, False))
+                            places.append((f"{table['effect']} {name}", at, plain))
                         at += 1
         elif is_number(key, x):
             if key.rpartition("_")[0] not in _SHAPES and key not in _SHAPES:
-                places.append((key, at, True))
+                places.append((key, at, ""))
             at += 1
     found: list[Number] = []
     by_name = {name: at for name, at, _ in places}
-    for name, i, of_law in places:
+    for name, i, effect in places:
         stem, _, side = name.rpartition("_")
         j = by_name.get(f"{stem}_neg")
         if (
@@ -82,7 +89,7 @@ def numbers_of(content: Mapping[str, Any]) -> list[Number]:
             if word == short or word.startswith(f"{short}_"):
                 word = word.replace(short, long, 1)
         if values[i] != 0.0:
-            found.append(Number(word, (i, j) if twin and j is not None else (i,), of_law))
+            found.append(Number(word, (i, j) if twin and j is not None else (i,), effect))
     return found
 
 

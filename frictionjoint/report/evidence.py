@@ -70,7 +70,7 @@ def effect_of(content: Content, added: Content) -> EffectRow:
         next_best = (title(runner), max(0.0, gain - evidence["margin"]))
     return EffectRow(
         name=name,
-        title=title(name),
+        title=title(name, added.get("cause", "")),
         cause=added.get("cause", ""),
         size=size_of(name, parameters, content.get("slide", False)),
         gain=gain,
@@ -102,7 +102,8 @@ def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, .
     chosen = next((e for e in effects if e.name == look["chosen"]), None)
     found = []
     for row in sorted(look["rows"], key=lambda r: -r["gain"]):
-        name = title(row["effect"])
+        own = chosen if chosen and row["effect"] == chosen.name else None
+        name = own.title if own else title(row["effect"])
         outcome = "not added"
         if row["effect"] == look["chosen"]:
             outcome = "added" if chosen else "added, replaced later"

@@ -193,7 +193,7 @@ def carried(content: Content) -> tuple[Number, ...]:
     inside = [table["effect"] for table in model.get("effects", [])]
     for added in content["added"]:
         own = effect_estimates(content, added)
-        name = title(added["effect"])
+        name = title(added["effect"], added.get("cause", ""))
         where = "" if added["effect"] in inside else ", in the joint's or motor's own numbers"
         rows += [
             Number(name, "added effect" + where, text, "determined")

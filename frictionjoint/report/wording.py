@@ -4,16 +4,14 @@ import math
 import re
 from collections.abc import Sequence
 
-from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
 
 # an exponent of two digits
 _EXPONENT = re.compile(r"e(-?)\+?0*")
 
 
-def known_as(effect: str) -> str:
+def known_as(effect: str, plain: str) -> str:
     """Common name of an effect, with its canonical name in brackets if that differs."""
-    plain = title(effect)
     return plain if plain.lower().replace(" ", "-") == effect else f"{plain} ({effect})"
 
 
