@@ -257,8 +257,6 @@ def _changed(
     m."""
     signals = signals_of(prepared, fitted)
     for term in effect_terms(prepared, signals, fitted.terms):
-        if not isinstance(term, EffectTerm):
-            continue
         pairs = list(zip(prepared.segments, signals, strict=True))
         columns = np.concatenate([term.columns(s, x) for s, x in pairs])
         size = np.sqrt(np.mean(columns**2, axis=0))

@@ -78,7 +78,9 @@ def weigh_others(state: State) -> None:
         if simpler and needed(instead, scored(without(state, own[i]), blocks)):
             _take(state, own[i], partial(_instead, term=best.term), other)
         elif not apart(now, instead):
-            first = _precedes(best.term, own[i]) and not now.better(instead)
+            names = [effect.name for effect in (*CATALOGUE, *DRIVE_EFFECTS)]
+            first = names.index(best.term.name) < names.index(own[i].name)
+            first = first and not now.better(instead)
             if first and not _clearly_better_alone(state, own[i], best.term, blocks):
                 _take(state, own[i], partial(_first_of_tie, term=best.term), other)
             else:
@@ -222,12 +224,6 @@ def _take(state: State, term: Term, change: Callable[[Finding], Finding], other:
 def _first_of_tie(finding: Finding, term: Term) -> Finding:
     """The finding of an effect, restated for an effect that it is tied with."""
     return _instead(finding, term).tied_with(finding.term)
-
-
-def _precedes(one: Term, other: Term) -> bool:
-    """Whether an effect comes before another in the catalogue."""
-    names = [effect.name for effect in (*CATALOGUE, *DRIVE_EFFECTS)]
-    return names.index(one.name) < names.index(other.name)
 
 
 def _with_form(finding: Finding, other: Term) -> Finding:

@@ -1,6 +1,6 @@
 """Candidates that these logs can test: effects, waves in position, unnamed dependences."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -79,14 +79,13 @@ def effects(
     return _with_waves(prepared, fitted, signals, blocks, grid, [waves])
 
 
-def _of_known_size(prepared: Prepared, fitted: Fit, terms: list[Term]) -> list[Term]:
+def _of_known_size(prepared: Prepared, fitted: Fit, terms: Sequence[Term]) -> list[Term]:
     """The terms, without inertia effects if the logs do not determine the torque scale.
 
     Without a scale, the size of an inertia effect would be arbitrary.
     """
-    if scale_is_determined(prepared, fitted):
-        return terms
-    return [t for t in terms if not t.effect.of_inertia]
+    known = scale_is_determined(prepared, fitted)
+    return [t for t in terms if known or not t.effect.of_inertia]
 
 
 def _with_waves(
@@ -123,16 +122,11 @@ def other_forms(prepared: Prepared, fitted: Fit, term: Term) -> list[Candidate]:
     own = term.effect
     known = dict(zip(own.shape, term.shape, strict=True))
     forms = [e for e in CATALOGUE if e.name == own.name and e.effect_id != own.effect_id]
-    terms = list(dict.fromkeys(_with(t, known) for t in _on_grid(prepared, forms, signals)))
-    return _candidates(prepared, fitted, signals, terms, [1.0] * len(terms))
-
-
-def _with(term: Term, known: Mapping[str, float]) -> Term:
-    """A term with the known shape numbers."""
-    if not isinstance(term, EffectTerm):
-        return term
-    named = zip(term.effect.shape, term.shape, strict=True)
-    return replace(term, shape=tuple(known.get(name, x) for name, x in named))
+    terms: dict[Term, None] = {}
+    for t in _on_grid(prepared, forms, signals):
+        named = zip(t.effect.shape, t.shape, strict=True)
+        terms[replace(t, shape=tuple(known.get(name, x) for name, x in named))] = None
+    return _candidates(prepared, fitted, signals, list(terms), [1.0] * len(terms))
 
 
 def _candidates(
@@ -159,7 +153,7 @@ def effect_terms(
     signals: list[Array],
     taken: tuple[Term, ...],
     wanted: Callable[[Effect], bool] = lambda effect: True,
-) -> list[Term]:
+) -> list[EffectTerm]:
     """Every requested effect that the logs can test and the model lacks, on its grid of shapes."""
     names = {term.name for term in taken}
     # a second delay would be that of the torque's own noise
@@ -168,7 +162,7 @@ def effect_terms(
     return _on_grid(prepared, list(filter(wanted, new)), signals)
 
 
-def _on_grid(prepared: Prepared, effects: list[Effect], signals: list[Array]) -> list[Term]:
+def _on_grid(prepared: Prepared, effects: list[Effect], signals: list[Array]) -> list[EffectTerm]:
     """Some effects on their grids, where the logs can test them."""
     everything = np.concatenate(signals)
     return [

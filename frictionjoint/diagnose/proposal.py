@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import loose_parameters
@@ -25,7 +24,6 @@ from frictionjoint.diagnose.motions import (
 )
 from frictionjoint.diagnose.separation import (
     Effect,
-    Moments,
     Noise,
     Separation,
     moments,
@@ -39,7 +37,7 @@ from frictionjoint.identify.result import Estimate, law_estimates, law_parameter
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.sensitivity import driven, sensitivities
-from frictionjoint.identify.terms import EffectTerm, Term
+from frictionjoint.identify.terms import Term
 from frictionjoint.parameter_meanings import meanings
 
 
@@ -112,14 +110,16 @@ class Planner:
         It stays within the range of the logs if that is sufficient. If no motion suffices, it is
         the one that comes nearest (see `Proposal.distinguishes`); None if no motion can be tried.
         """
-        J, own = self.fitted.jacobian, self._own(i)
+        J, own = self.fitted.jacobian, self.fitted.layout.of_term(i)
         term = self.fitted.terms[i]
         of_delay = np.array(term.shape)
         effect = Effect(term, self.fitted.term_coefficients(i) if term.coefficients else of_delay)
         law = np.flatnonzero(~self.fitted.bound & ~np.isin(np.arange(J.shape[1]), own))
         rival = self._rival(effect, other, J[:, law])
         here = np.column_stack([J[:, law], *self._columns(effect, rival, self.prepared)])
-        old = self._over_logs(here)
+        logs = [self.fitted.log_index == i for i in np.unique(self.fitted.log_index)]
+        first, *others = (moments(here[one], self.noise) for one in logs)
+        old = sum(others, first)
         sizes = (len(law), effect.size, rival.size)
         now = separation(old, *sizes)
         best: Proposal | None = None
@@ -173,10 +173,6 @@ class Planner:
                 best, most = Sharpened(part, {n: found[n] for n in gained}), worth
         return best
 
-    def _own(self, i: int) -> NDArray[np.int64]:
-        """Columns of the Jacobian of term i, coefficients first."""
-        return np.array(self.fitted.layout.of_term(i), dtype=np.int64)
-
     def _rival(self, effect: Effect, other: Term, law: Array) -> Effect:
         """The other effect, with the coefficients it would have instead of the first one."""
         signals = signals_of(self.prepared, self.fitted)
@@ -189,12 +185,6 @@ class Planner:
 
     def _columns(self, effect: Effect, rival: Effect, prepared: Prepared) -> tuple[Array, Array]:
         return effect.columns(prepared, self.fitted), rival.columns(prepared, self.fitted)
-
-    def _over_logs(self, U: Array) -> Moments:
-        logs = [self.fitted.log_index == i for i in np.unique(self.fitted.log_index)]
-        return sum(
-            (moments(U[one], self.noise) for one in logs[1:]), moments(U[logs[0]], self.noise)
-        )
 
     def _noise(self, limits: Limits) -> Noise:
         every = sampling(limits, self.prepared)
@@ -240,7 +230,7 @@ def _ratio(new: Estimate, old: Estimate) -> float:
 
 def computed_proposals(
     planner: Planner,
-    ties: Sequence[tuple[int, EffectTerm]],
+    ties: Sequence[tuple[int, Term]],
     cov: Array,
     law: Mapping[str, Estimate],
 ) -> tuple[str, ...]:
@@ -254,7 +244,7 @@ def computed_proposals(
     if planner.at_rest:
         return ("In these logs the joint moves no more than its position is noisy: record motion.",)
     # the first of several terms of one name is the nearest
-    rivals: dict[tuple[int, str], EffectTerm] = {}
+    rivals: dict[tuple[int, str], Term] = {}
     for i, other in ties:
         rivals.setdefault((i, other.name), other)
     sentences = [to_distinguish(planner, i, other) for (i, _), other in rivals.items()]
@@ -263,7 +253,7 @@ def computed_proposals(
     return tuple(dict.fromkeys(text for text in sentences if text))
 
 
-def to_distinguish(planner: Planner, i: int, other: EffectTerm) -> str | None:
+def to_distinguish(planner: Planner, i: int, other: Term) -> str | None:
     """What to record to distinguish term i of the fit from another effect, in one sentence.
 
     None if the other effect contains this one as a special case: no recording can rule that out.
@@ -275,7 +265,7 @@ def to_distinguish(planner: Planner, i: int, other: EffectTerm) -> str | None:
     names = f"{title(term.name)} from {title(other.name)}"
     if found is None or not found.distinguishes:
         said = "" if found is None else f": at best they differ by {_strength(found.expected)}"
-        words = [t.effect.separating_motion for t in (term, other) if isinstance(t, EffectTerm)]
+        words = [t.effect.separating_motion for t in (term, other)]
         return (
             f"No motion tried, up to twice the speed of these logs, should distinguish {names}"
             f"{said}. What would: {'; or '.join(dict.fromkeys(words))}."

@@ -7,9 +7,8 @@ from typing import get_args
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.finding import Finding, Trace
+from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.moves import Look
-from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import TIME, Q, V
 from frictionjoint.identify.fit import Fit
@@ -19,7 +18,7 @@ from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import Prediction, predict
-from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.identify.terms import DriveTerm, Term
 from frictionjoint.replay.free_runs import Replay
 from frictionjoint.replay.loops import LoopErrors
 from frictionjoint.replay.windows import WINDOW_S
@@ -101,7 +100,7 @@ def added(
                 *(step.gain, step.row.p_value, step.row.frequency),
                 *(step.runner_up, step.margin, step.ties),
             )
-            entries[name] = Added(name, _effect(step).cause, parameters, evidence, rms)
+            entries[name] = Added(name, step.term.effect.cause, parameters, evidence, rms)
     return tuple(entries.values())
 
 
@@ -184,28 +183,22 @@ def rankings(found: Trace) -> tuple[Looked, ...]:
 
 def ties(found: Trace) -> tuple[tuple[Effect, str], ...]:
     """Each added effect with an effect that explains as much."""
-    return tuple((_effect(f), other) for f in found.findings for other in f.ties)
+    return tuple((f.term.effect, other) for f in found.findings for other in f.ties)
 
 
 def forms(found: Trace) -> tuple[tuple[Effect, Effect], ...]:
     """Each added effect with another form of it that explains as much."""
-    return tuple((_effect(f), other) for f in found.findings for other in f.forms)
+    return tuple((f.term.effect, other) for f in found.findings for other in f.forms)
 
 
-def _effect(finding: Finding) -> Effect:
-    term = finding.term
-    if isinstance(term, EffectTerm):
-        return term.effect
-    return next(e for e in CATALOGUE if e.name == term.name)
-
-
-def rivals(found: Trace) -> list[tuple[int, EffectTerm]]:
+def rivals(found: Trace) -> list[tuple[int, Term]]:
     """Effects that explain nearly as much, by the index of a term in the final fit."""
     taken = {f.term.name for f in found.findings}
     return [
         (i, term)
         for i, f in enumerate(found.findings)
         for term in f.rivals
-        if isinstance(term, EffectTerm) and term.name not in taken
-        if not isinstance(term, DriveTerm) and not isinstance(f.term, DriveTerm)
+        if term.name not in taken
+        and not isinstance(term, DriveTerm)
+        and not isinstance(f.term, DriveTerm)
     ]

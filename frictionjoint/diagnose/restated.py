@@ -32,7 +32,7 @@ from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import Search
-from frictionjoint.identify.terms import EffectTerm, Term, all_but
+from frictionjoint.identify.terms import Term, all_but
 from frictionjoint.identify.weights import reweighed
 
 
@@ -109,8 +109,6 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     Effects of the drive, which are no candidates, and effects that are no longer candidates keep
     their earlier evidence.
     """
-    if not isinstance(finding.term, EffectTerm):
-        return finding
     rest = replace(state, fit=without(state, finding.term))
     as_it_is = replace(state, fit=_as_it_is(state, finding.term))
     seen, _ = look(as_it_is.fit, as_it_is.blocks, as_it_is.candidates, rng)

@@ -9,9 +9,6 @@ from frictionjoint.compiled import compiled, pointer, room
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, N_SIGNALS, SAG, SWAY, TIME, A
 
-# smallest fraction of the stiffness that gravity leaves: a hanging link does not fall
-_LEAST = 0.1
-
 
 @compiled
 def _half_angle(w: float, h: float) -> float:
@@ -40,15 +37,17 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     w = 2.0 * math.pi * P[e]
     h = sig[DT]
     asked = sig[A] + sig[SAG]
+    # gravity leaves a tenth of the stiffness at least: a hanging link does not fall
+    softest = 0.1 * w * w
     if h <= 0.0:
         # deflected by its weight, at rest
-        X[x] = -sig[SAG] / max(w * w + sig[SWAY], _LEAST * w * w)
+        X[x] = -sig[SAG] / max(w * w + sig[SWAY], softest)
         X[x + 1] = 0.0
         X[x + 2] = asked
         return -P[e + 2] * (sig[SAG] + w * w * X[x])
     steeper = _steeper(w, h)
     damping = 2.0 * P[e + 1] * w * steeper
-    stiffness = max(w * w + steeper * sig[SWAY], _LEAST * w * w)
+    stiffness = max(w * w + steeper * sig[SWAY], softest)
     h = 2.0 / w * math.tan(_half_angle(w, h))
     old = X[x + 1]
     rate = old * (1.0 - 0.5 * h * damping - 0.25 * h * h * stiffness)

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares, minimize_scalar
 
 from frictionjoint.arrays import Array, root_mean_square
@@ -382,6 +381,7 @@ class Search:
         )
         moves = self.balance.moves(shape, terms, beta)
         low, high = self._ranges(shape, terms)
+        near = 1e-4 * (self.bounds[1] - self.bounds[0])
         return Fit(
             shape=shape,
             terms=terms,
@@ -392,7 +392,12 @@ class Search:
             residual=(y - X @ beta) * gain,
             jacobian=np.column_stack([X, moves]) * gain,
             weight=self.weight,
-            bound=np.concatenate([(beta <= self.low) | (beta >= self.high), self._near_bound(x)]),
+            bound=np.concatenate(
+                [
+                    (beta <= self.low) | (beta >= self.high),
+                    (x - self.bounds[0] <= near) | (self.bounds[1] - x <= near),
+                ]
+            ),
             low=np.concatenate([self.low, low - x]),
             high=np.concatenate([self.high, high - x]),
             log_index=index,
@@ -410,7 +415,3 @@ class Search:
             for i, term in enumerate(terms)
             if term.effect.free
         ]
-
-    def _near_bound(self, x: Array) -> NDArray[np.bool_]:
-        near = 1e-4 * (self.bounds[1] - self.bounds[0])
-        return (x - self.bounds[0] <= near) | (self.bounds[1] - x <= near)

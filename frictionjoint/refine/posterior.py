@@ -94,7 +94,7 @@ class Posterior:
             raise ParameterError(f"{n} samples, seed {seed}: give at least 1, and a seed from 0")
         rng = np.random.default_rng(seed)
         mean = numbers_in(self.content)
-        positive = _positive(self.content)
+        positive = np.array([never for _, never in _entries(self.content)], dtype=bool)
         found: list[JointFriction] = []
         tries = 100 * n
         for _ in range(tries):
@@ -145,30 +145,24 @@ def _content(friction: JointFriction) -> dict[str, Any]:
 
 def numbers_in(content: Mapping[str, Any]) -> Array:
     """All numbers of a parameter file: Fs as its excess over Fc, curves as increments."""
-    found: list[float] = []
+    return np.array([x for x, _ in _entries(content)])
+
+
+def _entries(content: Mapping[str, Any]) -> list[tuple[float, bool]]:
+    """Each number, and whether it can never be negative."""
+    found: list[tuple[float, bool]] = []
     for key, x in content.items():
         if key == "knots":
-            found += list(np.diff(np.array(x), axis=0, prepend=[[0.0, 0.0]]).ravel())
+            steps = np.diff(np.array(x), axis=0, prepend=[[0.0, 0.0]]).ravel()
+            found += [(step, True) for step in steps.tolist()]
         elif key == "effects":
-            found += [float(v) for table in x for k, v in table.items() if is_number(k, v)]
+            own = [float(v) for table in x for k, v in table.items() if is_number(k, v)]
+            found += [(v, v > 0.0) for v in own]
         elif is_number(key, x):
             side = key.rpartition("_")[2]
             below = content.get(f"Fc_{side}", 0.0) if key.startswith("Fs_") else 0.0
-            found.append(float(x) - float(below))
-    return np.array(found)
-
-
-def _positive(content: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Whether each of the numbers can never be negative."""
-    found: list[bool] = []
-    for key, x in content.items():
-        if key == "knots":
-            found += [True] * (2 * len(x))
-        elif key == "effects":
-            found += [float(v) > 0.0 for table in x for k, v in table.items() if is_number(k, v)]
-        elif is_number(key, x):
-            found.append(True)
-    return np.array(found, dtype=bool)
+            found.append((float(x) - float(below), True))
+    return found
 
 
 def with_numbers(content: Mapping[str, Any], numbers: Array) -> dict[str, Any]:

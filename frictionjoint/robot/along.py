@@ -18,9 +18,6 @@ from frictionjoint.robot.corrections import Corrections, Shaft, levelling
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor
 
-# step of an encoder's zero in a difference, rad (m)
-_STEP = 1e-5
-
 
 @dataclass(frozen=True)
 class Along:
@@ -107,11 +104,12 @@ class Along:
     def offset(self, joint: str) -> Array:
         """Torque per rad (m) of a joint's zero, shape (k,)."""
         if joint not in self._turned:
-            moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + _STEP}
+            step = 1e-5  # rad (m)
+            moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + step}
             bodies = self.tree.beyond[int(self.model.joint(joint).dofadr[0])]
             other = self.regressor.moved(self._trajectory(moved), bodies)
             self._turned[joint] = {
-                b: (self.original.balanced(other.body(b, self.dof)) - self.bodies(b)) / _STEP
+                b: (self.original.balanced(other.body(b, self.dof)) - self.bodies(b)) / step
                 for b in self.tree.beyond[self.dof]
                 if b in bodies
             }

@@ -24,8 +24,6 @@ from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import roots
 
-# steps of the coordinates of a state in a difference, over 1 in SI units
-_STEP = 1e-3
 # of the steepest slope, below which a number shows nothing
 _FLAT = 1e-9
 
@@ -263,7 +261,8 @@ def _squares(
 
     Laws, effects of single joints and common effects are projected out.
     """
-    pairs = [(p.moved(here, -_STEP), p.moved(here, _STEP), 2.0 * _STEP) for p in places]
+    h = 1e-3  # of each coordinate, over 1 in SI units
+    pairs = [(p.moved(here, -h), p.moved(here, h), 2.0 * h) for p in places]
     n, grams = len(places), []
     for joint in joints:
         alike = common_columns(joint, joint.common_effects)

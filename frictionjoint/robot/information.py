@@ -21,9 +21,6 @@ from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.inertia import NAMES
 from frictionjoint.robot.joint import FittedJoint
 
-# singular values below this fraction of the largest: exact columns of a parameter that never shows
-_STRUCTURAL = 1e-7
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -134,13 +131,15 @@ def base_parameters(found: Information) -> BaseParameters:
     not count.
     """
     values, vectors = eigh(found.gram)
-    keep = values > _STRUCTURAL**2 * values[-1]
+    # of the largest singular value: smaller ones are exact columns of what never shows
+    least = 1e-7
+    keep = values > least**2 * values[-1]
     root = np.sqrt(values[keep])[:, None] * vectors[:, keep].T
     size = np.linalg.norm(root, axis=0)
-    unseen = np.flatnonzero(size <= _STRUCTURAL * size.max())
+    unseen = np.flatnonzero(size <= least * size.max())
     seen = np.setdiff1d(np.arange(len(size)), unseen)
     _, R, order = qr(root[:, seen] / size[seen], mode="economic", pivoting=True)
-    rank = int(np.sum(np.abs(np.diag(R)) > _STRUCTURAL * np.abs(R[0, 0])))
+    rank = int(np.sum(np.abs(np.diag(R)) > least * np.abs(R[0, 0])))
     base, others = seen[order[:rank]], seen[order[rank:]]
     sums = np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
     sums = sums * size[others] / size[base][:, None]

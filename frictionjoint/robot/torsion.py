@@ -28,7 +28,6 @@ from frictionjoint.report.entries import Torsion
 _REACHES = (0.02, 0.05, 0.1, 0.2, 0.4)
 # torque over its largest below which it changes its side: loads in the gap and the filter blur it
 _TURNS = (0.005, 0.01, 0.02, 0.05, 0.1)
-_BLOCKS = 20
 
 
 def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
@@ -98,12 +97,12 @@ class _Model:
 
     def at(self, i: int) -> tuple[float, float] | None:
         """Value and standard error of the coefficient of a column, given by its index."""
-        block = np.arange(len(self.y)) * _BLOCKS // len(self.y)
-        count = len(self.names)
+        blocks, count = 20, len(self.names)
+        block = np.arange(len(self.y)) * blocks // len(self.y)
         left_out = np.array(
-            [_solved(self.X[block != b], self.y[block != b], count)[i] for b in range(_BLOCKS)]
+            [_solved(self.X[block != b], self.y[block != b], count)[i] for b in range(blocks)]
         )
-        error = float(np.sqrt((_BLOCKS - 1) * np.mean((left_out - left_out.mean()) ** 2)))
+        error = float(np.sqrt((blocks - 1) * np.mean((left_out - left_out.mean()) ** 2)))
         value = float(_solved(self.X, self.y, count)[i])
         # from four standard errors on a part of the twist is there
         return (value, error) if abs(value) > 4.0 * error else None

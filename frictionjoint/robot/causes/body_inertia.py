@@ -17,8 +17,6 @@ from frictionjoint.robot.inertia import NAMES, UNITS, about_centre, of_body, of_
 
 Form = Literal["mass", "mass and centre", "all ten"]
 _SIZES: dict[Form, int] = {"mass": 1, "mass and centre": 4, "all ten": 10}
-# beyond it, a factor of twenty in mass, it is another body
-_FURTHEST = 3.0
 # of T, below its diagonal
 _BELOW = np.tril_indices(4, -1)
 
@@ -52,9 +50,10 @@ class BodyInertia(Cause):
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """The farthest change of each number."""
-        found = [(-_FURTHEST, _FURTHEST)] * _SIZES[self.form]
+        # beyond it, a factor of twenty in mass, it is another body
+        found = [(-3.0, 3.0)] * _SIZES[self.form]
         if self.form == "mass and centre":
-            found[1:] = [(-_FURTHEST * self.size, _FURTHEST * self.size)] * 3
+            found[1:] = [(-3.0 * self.size, 3.0 * self.size)] * 3
         return tuple(found)
 
     @property
