@@ -135,7 +135,8 @@ def nominated(prepared: Prepared, name: str, form: int | None = None) -> tuple[P
     again = (fit(prepared, nearest.effects), refit(prepared, nearest.effects, nearest.shape))
     best_fit = min(again, key=lambda f: f.drive_rms)
     prepared, best_fit = reweighed(*settled(*reweighed(prepared, best_fit)))
-    return prepared, base, with_last_freedoms(prepared, best_fit)
+    prepared, found = with_last_freedoms(prepared, best_fit)
+    return prepared, base, found
 
 
 def _gain(base: Fit, columns: np.ndarray) -> float:

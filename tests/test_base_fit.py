@@ -52,7 +52,7 @@ def log(Fs, Fc, Vs, stiffness, damping, viscous, noise, seed):
 
 def fitted(*logs):
     prepared, found = base_fit(prepare(list(logs), RigidBody(JOINT, "j")), "integrated")
-    found = with_last_freedoms(prepared, found)
+    _, found = with_last_freedoms(prepared, found)
     return found, law_parameters(found)
 
 
