@@ -134,7 +134,7 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
 def _early(state: State) -> bool:
     """Whether all findings so far are certain effects or effects of the drive, which come first."""
     effects = state.fit.effects
-    return all(t.effect.decided_first for t in effects)
+    return all(t.effect.first or t.effect.drive for t in effects)
 
 
 def _of_joint(state: State, rng: np.random.Generator) -> list[str]:

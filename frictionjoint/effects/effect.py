@@ -120,11 +120,6 @@ class Effect:
         return f"Effect({self.name!r}, {self.form!r})"
 
     @property
-    def decided_first(self) -> bool:
-        """Whether the effect is one of the motor or of the drive, which changes every torque."""
-        return self.first or self.drive is not None
-
-    @property
     def is_wave(self) -> bool:
         """Whether it repeats along the position."""
         return self.proposed_by == "spectrum"

@@ -101,7 +101,10 @@ class Balance:
             known = known - np.outer(self._parts[i].rate, [0.0, age])
         parts = [known[:, k : k + 1] for k, x in enumerate(("load", "sigma2")) if x in names]
         stored = self._parts[i].store.get
-        parts.append(stored(("law", names, law), partial(self._law, law, i)))
+        own = self._parts[i]
+        parts.append(
+            stored(("law", names, law), lambda: self._columns_of(self._track(law, i), own))
+        )
         for term in terms:
             if term.coefficients:
                 key = term_key(term, law if term.follows_law else None)
@@ -157,9 +160,6 @@ class Balance:
         """
         return np.concatenate([part.answer(drive_changes(terms)) for part in self._parts])
 
-    def _law(self, law: Shape, i: int) -> Array:
-        return self._columns_of(self._track(law, i), self._parts[i])
-
     def _columns_of(self, track: Array, part: Bundle) -> Array:
         """Columns of a law along logs."""
         if "sigma1" in self.layout.base:
@@ -203,8 +203,9 @@ class Balance:
                     found.append(self._drive_move(terms, k, j, i))
                     continue
                 if isinstance(term, DampingAge):
-                    at = self.layout.at("sigma2")
-                    found.append(-(0.0 if at is None else beta[at]) * self._parts[i].rate)
+                    names = self.layout.base
+                    sigma2 = beta[names.index("sigma2")] if "sigma2" in names else 0.0
+                    found.append(-sigma2 * self._parts[i].rate)
                     continue
                 if isinstance(term, VelocityAge):
                     found.append(-self._damping_rate(terms, i))

@@ -61,10 +61,6 @@ class Layout:
         first, second = self.coefficients(i), self.numbers(i)
         return [*range(first.start, first.stop), *range(second.start, second.stop)]
 
-    def at(self, name: str) -> int | None:
-        """Index of a parameter, None if the model has none with that name."""
-        return self.names.index(name) if name in self.names else None
-
 
 def _free(term: Term) -> int:
     return len(term.free_shape)

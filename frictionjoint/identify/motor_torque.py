@@ -12,13 +12,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.segment import Segment
-from frictionjoint.identify.terms import Term
-
-
-def solutions(terms: tuple[Term, ...]) -> int:
-    """Number of solutions for the coefficients until the motor torque is consistent with them."""
-    # the first knows no torque; torque and coefficients change each other little
-    return 1 + 3 * any(MOTOR in term.effect.needs for term in terms)
 
 
 def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment]) -> Array:

@@ -13,13 +13,12 @@ import numpy as np
 from scipy.optimize import least_squares, minimize_scalar
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.effects.signals import Q
+from frictionjoint.effects.signals import MOTOR, Q
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
 from frictionjoint.identify.elastic_share import RESOLUTION, implied_share
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import Layout, layout_of
 from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
-from frictionjoint.identify.motor_torque import solutions
 from frictionjoint.identify.open_times import timed
 from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of, first_least
@@ -187,12 +186,10 @@ class Search:
 
     @property
     def start(self) -> Array:
-        """Point of the given law and terms."""
-        return self.vector(self.law)
-
-    def vector(self, law: Shape) -> Array:
-        """Numbers of a law and of the given terms, within their bounds."""
-        x: Array = np.array([*law.vector(), *(n for term in self.terms for n in term.free_shape)])
+        """Numbers of the given law and terms, within their bounds."""
+        x: Array = np.array(
+            [*self.law.vector(), *(n for term in self.terms for n in term.free_shape)]
+        )
         span = self.bounds[1] - self.bounds[0]
         # a number at zero may go as far up as physics lets it: its range may have no end
         inside = 1e-6 * np.where(np.isfinite(span), span, 1.0 + np.abs(x))
@@ -284,7 +281,8 @@ class Search:
         shape, terms = self.split(x)
         X, y = self.balance.columns(shape, terms)
         beta = self._coefficients(X, y)
-        for _ in range(solutions(terms) - 1):
+        # the torque of a motor and the coefficients change each other little
+        for _ in range(3 * any(MOTOR in term.effect.needs for term in terms)):
             X, _ = self.balance.columns(shape, terms, beta)
             beta = self._coefficients(X, y)
         acting = self._acting(terms, y)

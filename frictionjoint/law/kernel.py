@@ -165,14 +165,6 @@ def trial(
 
 
 @in_line
-def commit_rival(P: Vector, p: int, X: Vector, x: int) -> None:
-    """`commit` for any law but the integrated one."""
-    n = _rival_header(P, p)
-    for i in range(n):
-        X[x + i] = X[x + n + i]
-
-
-@in_line
 def commit(P: Vector, p: int, X: Vector, x: int) -> None:
     """Make the last evaluated point the committed one."""
     if P[p] == INTEGRATED:
@@ -180,7 +172,9 @@ def commit(P: Vector, p: int, X: Vector, x: int) -> None:
             X[x + i] = X[x + HEADER + i]
         make_room(X, x, x + 2 * HEADER)
         return
-    commit_rival(P, p, X, x)
+    n = _rival_header(P, p)
+    for i in range(n):
+        X[x + i] = X[x + n + i]
 
 
 @compiled

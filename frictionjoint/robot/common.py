@@ -13,7 +13,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.library import testable
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.joint import FittedJoint
@@ -45,19 +44,14 @@ class Common:
         return found | {name: Estimate(x, None, unit) for name, x, unit in shape}
 
 
-def may_be_common(effect: Effect) -> bool:
-    """Whether one cause may produce an effect in all joints: heat, or the scale of their
-    torques."""
-    return effect.slow or effect.scales
-
-
 def common_terms(joints: Sequence[FittedJoint]) -> list[EffectTerm]:
     """Effects on the grid that the logs of all joints can test."""
     if len(joints) < 2:
         return []
     signals = [np.concatenate(signals_of(j.prepared, j.fit)) for j in joints]
     found = []
-    for effect in filter(may_be_common, CATALOGUE):
+    # one cause for all joints: heat, or the scale of their torques
+    for effect in (e for e in CATALOGUE if e.slow or e.scales):
         if not all(testable(j.prepared, effect, x) for j, x in zip(joints, signals, strict=True)):
             continue
         first, *others = (effect.shapes(x) for x in signals)

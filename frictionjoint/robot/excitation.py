@@ -15,12 +15,12 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.report.robot_report import Excitation
+from frictionjoint.robot.causes.catalogue import links_of
 from frictionjoint.robot.information import (
     Information,
     base_parameters,
     errors,
     gram_without,
-    links_of,
 )
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.kinematics import Trajectory, Tree

@@ -16,7 +16,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import lengths, pseudo_inverse, without
 from frictionjoint.model_joints import mass_at_start
-from frictionjoint.robot.causes.catalogue import body_label, rigid_links
+from frictionjoint.robot.causes.catalogue import body_label, links_of
 from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.inertia import NAMES
 from frictionjoint.robot.joint import FittedJoint
@@ -65,12 +65,6 @@ class BaseParameters:
     others: tuple[int, ...]
     sums: Array
     unseen: tuple[int, ...]
-
-
-def links_of(model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]) -> list[int]:
-    """The heaviest body of each link that the joints move."""
-    links = rigid_links(model, joints, moving).values()
-    return [max(link, key=lambda b: float(model.body_mass[b])) for link in links]
 
 
 def parameters_of(

@@ -19,8 +19,6 @@ from frictionjoint.robot.causes.together import Links, Rotors
 from frictionjoint.robot.inertia import of_model, possible
 from frictionjoint.robot.kinematics import Tree
 
-_FORMS: tuple[Form, ...] = ("mass", "mass and centre", "all ten")
-
 
 def catalogue(
     model: mujoco.MjModel,
@@ -46,13 +44,7 @@ def catalogue(
     # a larger mass near the axes would explain it too
     own_mass = float(phi[list(itertools.chain(*links.values())), 0].sum())
     found += [Payload(b, body_label(model, b), own_mass) for b in _hands(links)]
-    for link in links.values():
-        heaviest = max(link, key=lambda b: phi[b, 0])
-        if possible(phi[heaviest]):
-            found += [
-                BodyInertia(heaviest, body_label(model, heaviest), form, _reach(model, heaviest))
-                for form in _FORMS
-            ]
+    found += _bodies(model, joints, moving, ("mass", "mass and centre", "all ten"))
     if np.any(model.opt.gravity):
         found.append(BaseTilt())
     found += [JointOffset(name, is_slide(model, name)) for name in moving]
@@ -72,13 +64,27 @@ def all_links(
     Args:
         joints: with logged drive. moving: with logged motion.
     """
-    phi, found = of_model(model), []
-    for link in rigid_links(model, joints, moving).values():
-        heaviest = max(link, key=lambda b: phi[b, 0])
-        if possible(phi[heaviest]):
-            label, size = body_label(model, heaviest), _reach(model, heaviest)
-            found.append(BodyInertia(heaviest, label, "all ten", size))
+    found = _bodies(model, joints, moving, ("all ten",))
     return (Links(tuple(found)),) if len(found) > 1 else ()
+
+
+def _bodies(
+    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str], forms: tuple[Form, ...]
+) -> list[BodyInertia]:
+    """Wrong parameters of each link in several forms, of links that have possible ones."""
+    phi, links = of_model(model), links_of(model, joints, moving)
+    return [
+        BodyInertia(b, body_label(model, b), form, _reach(model, b))
+        for b in links
+        if possible(phi[b])
+        for form in forms
+    ]
+
+
+def links_of(model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]) -> list[int]:
+    """The heaviest body of each link that the joints move."""
+    links = rigid_links(model, joints, moving).values()
+    return [max(link, key=lambda b: float(model.body_mass[b])) for link in links]
 
 
 def rigid_links(
