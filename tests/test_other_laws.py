@@ -39,8 +39,8 @@ def test_a_law_that_is_asked_for_is_kept_and_the_others_are_compared(prepared, l
 
 def test_a_breakaway_friction_that_hangs_on_the_law_is_not_certain(tmp_path):
     """Fast reversals hardly show the breakaway: each law has one of its own, with small errors."""
-    friction = Friction("elasto-plastic", Fs=0.9, Fc=0.6, Vs=0.03, delta=2.0, sigma2=0.1)
-    motions = tuple(Motion("sines", seed, 0.6, 1.5, 12.0) for seed in (3, 4))
+    friction = Friction("elasto-plastic", Fs=0.9, Fc=0.6, Vs=0.02, delta=2.0, presliding=1e-3)
+    motions = tuple(Motion("sines", seed, 0.6, 2.0, 12.0) for seed in (3, 4))
     logs = prepared_logs(replace(PENDULUM, friction=friction, motions=motions), tmp_path)
     logs, found = base_fit(logs, INTEGRATED_LAW)
     alone = stated_covariance(logs, found)
@@ -50,7 +50,7 @@ def test_a_breakaway_friction_that_hangs_on_the_law_is_not_certain(tmp_path):
         law_estimates(found, cov, False) for cov in (alone, alone + laws.covariance(found))
     )
     off = abs(wide["Fs_pos"].value - friction.Fs)
-    assert wide["Fs_pos"].stderr > 1.5 * narrow["Fs_pos"].stderr
+    assert wide["Fs_pos"].stderr > 3.0 * narrow["Fs_pos"].stderr
     assert off < 2.0 * wide["Fs_pos"].stderr
     assert wide["Fc_pos"].stderr < 0.05 * friction.Fc
     # no law shares the stiffness, and so none changes its error

@@ -4,6 +4,7 @@ They never replace it. They show in which directions a law may be wrong, since n
 the error of each with the final effects.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
@@ -16,6 +17,7 @@ from frictionjoint.decisions import APART, CLEARLY
 from frictionjoint.identify.base_fit import CONSTRAINT, better_form
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
 from frictionjoint.identify.search import ROUGH, refit
@@ -149,7 +151,7 @@ class OtherLaws:
         alike = [f for f in fits if APART * f.drive_rms < fitted.drive_rms]
         return Comparison(
             tuple(sorted(left.items(), key=lambda pair: pair[1])),
-            tuple(_differences(fitted, other) for other in alike),
+            tuple(_differences(prepared, fitted, other) for other in alike),
         )
 
 
@@ -181,10 +183,22 @@ class Comparison:
         return replace(self, errors=tuple((law, x / gain) for law, x in self.errors))
 
 
-def _differences(fitted: Fit, other: Fit) -> dict[str, float]:
-    """Parameters of another law less those of a fit, by name; the stiffness is that of the fit."""
+def _differences(prepared: Prepared, fitted: Fit, other: Fit) -> dict[str, float]:
+    """Parameters of another law less those of a fit, by name; the stiffness is that of the fit.
+
+    Each is reduced by the other one's own error: a law that does not determine a parameter says
+    nothing of it.
+    """
     own, others = _law_values(fitted), _law_values(other)
-    found = {n: others[n] - own[n] for n in _SHARED if n in own and n in others}
+    variance = dict(
+        zip(other.layout.names, np.diag(stated_covariance(prepared, other)), strict=True)
+    )
+    found = {}
+    for name in _SHARED:
+        if name in own and name in others:
+            difference = others[name] - own[name]
+            beyond = difference**2 - variance[name]
+            found[name] = math.copysign(math.sqrt(beyond), difference) if beyond > 0.0 else 0.0
     if "law.excess" in found and "law.log length" in own:
         # to first order, as a covariance is
         higher = found["Fc"] / own["Fc"] + found["law.excess"] / (1.0 + own["law.excess"])
