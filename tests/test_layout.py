@@ -58,7 +58,7 @@ def test_a_torque_held_between_ticks_is_allowed_for_and_told(held):
 
 def test_the_viscosity_is_not_that_of_an_inertia_that_lags(held):
     logs, found = held
-    at = found.layout.at("sigma2")
+    at = found.names.index("sigma2")
     error = float(np.sqrt(stated_covariance(logs, found)[at, at]))
     assert error < 0.15 * SIGMA2
     assert found.coefficient("sigma2") == pytest.approx(SIGMA2, abs=3.0 * error)

@@ -322,7 +322,8 @@ def test_a_joint_far_from_zero_is_held_as_quietly_as_at_zero():
     jump = INERTIA * (0.4 / STEP) ** 2 * EPS * 2.0
     assert quiet < 0.1 * jump * STEP / INERTIA
     assert np.sqrt(np.mean(here[700:, 1] ** 2)) < 0.1 * jump * STEP / INERTIA
-    assert np.abs(here[:, 0] - there[:, 0]).max() < EPS * 3.0 / warp_kernel.PULL
+    # a step takes a hundredth of the distance from the position shown, see `warp_kernel`
+    assert np.abs(here[:, 0] - there[:, 0]).max() < EPS * 3.0 / 0.01
 
 
 # many worlds, and the rule that commits

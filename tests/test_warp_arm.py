@@ -22,7 +22,6 @@ from frictionjoint.simulate.carrier import read_friction
 mjw = pytest.importorskip("mujoco_warp")
 wp = pytest.importorskip("warp")
 from frictionjoint.simulate.warp import attach_warp  # noqa: E402
-from frictionjoint.simulate.warp_kernel import PULL  # noqa: E402
 
 EPS = 2.0**-24  # half a unit in the last place of a single float, relative
 POSTURE = np.linspace(0.0, 0.6, 7)
@@ -133,7 +132,7 @@ def test_coupled_stiff_joints_move_as_natively(held):
     moved = np.abs(there - there[0])[:, :, :8]
     assert moved.max() > 1e-3
     # what a float position shows of friction's own, see `warp_kernel`; one joint moves the others
-    shown = EPS * POSTURE[-1] / PULL
+    shown = EPS * POSTURE[-1] / 0.01
     assert np.abs(here - there)[:, :, :7].max() < shown
     assert np.abs(here - there)[:, :, 7].max() < 1e-7  # at zero a float is fine, in its own tree
 

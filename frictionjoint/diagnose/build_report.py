@@ -120,7 +120,6 @@ def build_report(
 def _posterior(
     prepared: Prepared, fitted: Fit, cov: Array, body: RigidBody, refined: Refined | None
 ) -> Posterior:
-    """Posterior of the resulting model."""
     vector = Vector(prepared, fitted, cov, body.armature)
     values, spread = vector.start, vector.covariance(cov)
     if refined and refined.taken:

@@ -87,7 +87,6 @@ def explain(
 
 
 def _search(logs: JointLogs, seed: int, progress: Callable[[str], None], law: str | None) -> Trace:
-    """Find the law and the missing effects."""
 
     def replayed(prepared: Prepared, fitted: Fit) -> Array | None:
         if logs.loops is None:

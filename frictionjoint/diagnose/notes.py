@@ -75,7 +75,6 @@ def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
 
 
 def _laws_note(found: Trace) -> tuple[str, ...]:
-    """Errors of the other laws with the same effects, for comparison."""
     if not found.other_laws.errors:
         return ()
     unit, _ = units_of(found.final, found.prepared.slide)
@@ -88,7 +87,6 @@ def _laws_note(found: Trace) -> tuple[str, ...]:
 
 
 def _constraint_note(found: Trace) -> tuple[str, ...]:
-    """Note that friction acts like a constraint of MuJoCo's solver."""
     shape = found.final.shape
     if not isinstance(shape, ConstraintShape):
         return ()
@@ -105,7 +103,6 @@ def _constraint_note(found: Trace) -> tuple[str, ...]:
 
 
 def _rest_note(found: Trace) -> tuple[str, ...]:
-    """Error on samples whose torque the position does not determine."""
     rest = ~found.final.in_motion
     if not rest.any():
         return ()
@@ -145,7 +142,6 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
 
 
 def _sight_note(found: Trace) -> tuple[str, ...]:
-    """Notes on the smallest effects that the logs would have shown."""
     sight, unit = found.sight, units_of(found.final, found.prepared.slide)[0]
     if sight.too_short:
         if found.findings or found.unexplained:

@@ -8,8 +8,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.possible import impossible
 from frictionjoint.identify.blocks import Blocks
-from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.reach import unreached
+from frictionjoint.identify.fit import Fit, unreached
 from frictionjoint.identify.rounding import EQUAL
 
 

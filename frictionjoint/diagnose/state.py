@@ -101,7 +101,6 @@ class State:
 
     @property
     def _model(self) -> _Model:
-        """The present model."""
         known = self._known
         if known is None or known.fit is not self.fit or known.prepared is not self.prepared:
             known = self._known = _Model(self.prepared, self.fit)

@@ -144,7 +144,6 @@ def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
 
 
 def _first(state: State) -> list[Candidate]:
-    """Candidates that are decided first."""
     return [c for c in state.candidates if c.term.effect.first]
 
 

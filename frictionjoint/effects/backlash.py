@@ -12,8 +12,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector, root_mean_square
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.inertia_of_signals import inertia_of
-from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A
+from frictionjoint.effects.signals import DT, GEAR, SWAY, TIME, A, inertia_of
 
 # fraction of a step that counts as zero
 _NEAR = 1e-6

@@ -34,3 +34,14 @@ def parts_of_load(signals: Array) -> Array:
         signals: shape (n, N_SIGNALS).
     """
     return np.asarray(np.linalg.lstsq(signals[:, [A, GX, GY]], signals[:, LOAD], rcond=None)[0])
+
+
+def inertia_of(signals: Array, torque: int) -> float:
+    """Inertia, kg m^2: rigid-body torque per acceleration; gravity is a function of position.
+
+    Args:
+        signals: of a log, shape (n, N_SIGNALS). torque: column, the whole load or the torque that
+            the gear transmits.
+    """
+    columns = np.column_stack([signals[:, [A, GX, GY]], np.ones(len(signals))])
+    return abs(float(np.linalg.lstsq(columns, signals[:, torque], rcond=None)[0][0]))

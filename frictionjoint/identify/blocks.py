@@ -11,23 +11,20 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.cluster.vq import kmeans2
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.compiled import compiled, pointer
 from frictionjoint.effects.signals import A, Q, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.kinds import kinds_of
 from frictionjoint.identify.segment import Prepared
-
-Index = NDArray[np.int64]
 
 FEWEST_BLOCKS = 48
 CORRELATION_TIMES = 5.0
-# logs from which on a fold is a log, and kinds of motion where there are fewer
-LOGS, KINDS = 3, 4
+# logs from which on a fold is a log, not a kind of motion
+LOGS = 3
 
 
 class Folds(NamedTuple):
@@ -222,4 +219,22 @@ def _kinds(prepared: Prepared, of_sample: Index) -> Index:
         return np.asarray(np.bincount(of_sample, x) / count)
 
     rows = np.column_stack([np.sqrt(mean(v**2)), np.sqrt(mean(a**2)), mean(q), mean(np.sign(v))])
-    return kinds_of(rows, KINDS)
+    return kinds_of(rows)
+
+
+def kinds_of(rows: Array) -> Index:
+    """Kind of each row, four at most, by k-means with normalised columns; the best of a few starts.
+
+    Args:
+        rows: shape (n, k).
+    Returns:
+        shape (n,), numbers from 0; equal rows give equal kinds.
+    """
+    spread = rows.std(axis=0)
+    scaled = (rows - rows.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)
+    count = min(4, len(np.unique(scaled, axis=0)))
+    tries = []
+    for seed in range(4):
+        centres, found = kmeans2(scaled, count, iter=100, minit="++", rng=seed)
+        tries.append((float(np.sum((scaled - centres[found]) ** 2)), seed, found))
+    return np.asarray(min(tries)[2], dtype=np.int64)

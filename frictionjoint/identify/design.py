@@ -161,7 +161,6 @@ class Balance:
         return np.concatenate([part.answer(drive_changes(terms)) for part in self._parts])
 
     def _columns_of(self, track: Array, part: Bundle) -> Array:
-        """Columns of a law along logs."""
         if "sigma1" in self.layout.base:
             return part.kept(np.stack([track[0], track[1] * part.velocity]))
         return part.kept(track[:1])

@@ -6,8 +6,7 @@ link alone. At a given resonance the link sags more if its inertia is smaller.
 
 import numpy as np
 
-from frictionjoint.effects.inertia_of_signals import inertia_of
-from frictionjoint.effects.signals import GEAR
+from frictionjoint.effects.signals import GEAR, inertia_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.layout import LEAST_LEVEL, Layout
 from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.segment import Drive
@@ -190,3 +191,18 @@ def with_gain(fitted: Fit, gain: float) -> Fit:
 def without_scale(fitted: Fit) -> Fit:
     """The same fit stated in units of its drive, for logs that do not determine the gain."""
     return replace(with_gain(fitted, 1.0), in_drive_units=True)
+
+
+def unreached(fitted: Fit) -> Array:
+    """First-order estimate of the part of each squared residual that a fit could still remove.
+
+    A search that stops before a minimum has already tried the first-order step without success, so
+    the residual of the fit is valid, not the smaller first-order value.
+
+    Returns:
+        N m^2, shape (n,).
+    """
+    w = fitted.weight
+    left = fitted.residual * w
+    free = fitted.free_jacobian * w[:, None]
+    return np.asarray(left**2 - without(left, free / lengths(free)) ** 2)

@@ -246,7 +246,6 @@ def _left(b: Balance, gain_unknown: bool) -> float:
 
 
 def _check_too_large(prepared: Prepared, load: _Load, names: str) -> None:
-    """Compare the torque's gravity and inertia with the model's."""
     # A unit is wrong if gravity and inertia are both ten times the model's or more, and agree
     # within a factor of two. One alone may be too small in a model, without the gripper of a wrist
     # or the inertia of its motor.

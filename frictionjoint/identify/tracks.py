@@ -77,7 +77,6 @@ class Tracks:
 
     @cached_property
     def _averaged(self) -> NDArray[np.bool_]:
-        """`Path.averaged` of all logs, concatenated."""
         return np.concatenate([path.averaged for path in self.paths])
 
     def _samples(self, begin: Index) -> Index:

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.inertia_of_signals import inertia_of
-from frictionjoint.effects.signals import LOAD
+from frictionjoint.effects.signals import LOAD, inertia_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.search import shape_limits

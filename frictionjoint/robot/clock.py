@@ -8,23 +8,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.effects.signals import TIME, A, Q, V
 from frictionjoint.identify.blocks import (
     CORRELATION_TIMES,
     FEWEST_BLOCKS,
-    KINDS,
     LOGS,
     Blocks,
     correlation_time,
+    kinds_of,
 )
-from frictionjoint.identify.kinds import kinds_of
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.logs import Place, by_place
-
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -119,4 +115,4 @@ def _kinds(
         size = np.maximum(np.bincount(of_sample, minlength=count), 1)
         for x in (v**2, a**2, q, np.sign(v)):
             rows.append(np.bincount(of_sample, x, count) / size)
-    return kinds_of(np.column_stack(rows), KINDS)
+    return kinds_of(np.column_stack(rows))

@@ -246,7 +246,6 @@ def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list
 
 
 def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
-    """The causes for the report."""
     found = shared.settled.found
     causes = tuple(
         SharedCause(

@@ -68,7 +68,6 @@ def descended(
 def _least(
     left: Callable[[Array], Array], start: Array, bounds: Array, slopes: Callable[[Array], Array]
 ) -> OptimizeResult:
-    """End of the descent from a start."""
     return least_squares(
         left,
         np.clip(start, *bounds),
@@ -208,7 +207,6 @@ class _Places:
 
 
 def _places(found: Found) -> _Places:
-    """Coordinates that the causes change."""
     bodies: dict[tuple[int, int], None] = {}
     places: dict[_Place, None] = {}
     for i in range(len(found.causes)):

@@ -8,11 +8,10 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import Fit, unreached
 from frictionjoint.identify.gate import check_signs
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.reach import unreached
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
@@ -42,7 +41,7 @@ class FittedJoint:
         common_effects: fitted together with the law so that it is not biased; the residual still
             contains what they explain. levels: of the law with them, see `Fit.levels`.
         rms, left: rms residual of the law with them, N m, plain and weighted.
-        unreached: part of the residual that vanishes to first order, see `reach.unreached`, (n,).
+        unreached: part of the residual that vanishes to first order, see `fit.unreached`, (n,).
     """
 
     alongs: tuple[Along, ...]

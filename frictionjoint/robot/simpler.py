@@ -127,7 +127,6 @@ def _left(
 
 
 def _size(several: Sequence[Candidate]) -> int:
-    """Total number of parameters."""
     return sum(len(c.at) for c in several)
 
 
