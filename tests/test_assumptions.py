@@ -49,7 +49,7 @@ def log(stiffness: float, seed: int = 1, noise: float = 2e-3) -> JointLog:
 def fitted(stiffness: float, noise: float = 2e-3):
     body = RigidBody(JOINT, "j")
     prepared, found = base_fit(prepare([log(stiffness, noise=noise)], body), "integrated")
-    return prepared, with_assumed_stiffness(prepared, found, stated_covariance)
+    return prepared, with_assumed_stiffness(prepared, found)
 
 
 def test_a_stiffness_that_the_encoder_does_not_resolve_is_assumed():
@@ -82,7 +82,7 @@ def test_without_a_coulomb_level_no_stiffness_is_assumed_and_the_joint_does_not_
     noise = 1e-3 * np.random.default_rng(0).standard_normal(N)
     own = JointLog(name="1", joint="j", time=t, position=q, torque=torque + noise)
     prepared, found = base_fit(prepare([own], RigidBody(JOINT, "j")), "integrated")
-    found = with_assumed_stiffness(prepared, found, stated_covariance)
+    found = with_assumed_stiffness(prepared, found)
     assert not found.has_level
     assert not found.shape.stiffness_assumed
     (said,) = assumed_note(found, False)
@@ -98,7 +98,7 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
     spec = mujoco.MjSpec.from_string(report.mjcf)
     uninstall(spec)
     assert not list(spec.texts)
-    base = with_assumed_breakaway(prepared, base, stated_covariance)
+    base = with_assumed_breakaway(prepared, base)
     own = law_estimates(base, stated_covariance(prepared, base), False)
     assert {k: x.value for k, x in report.base.items()} == pytest.approx(
         {k: x.value for k, x in own.items()}, rel=1e-6
@@ -107,7 +107,7 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
 
 def test_a_joint_with_a_soft_stiffness_comes_to_rest_under_load_by_an_assumed_damping():
     prepared, undamped = fitted(300.0, noise=0.1)
-    found = with_assumed_damping(prepared, undamped, stated_covariance)
+    found = with_assumed_damping(prepared, undamped)
     assert found.rms == pytest.approx(undamped.rms, rel=0.011)
     damping = law_estimates(found, stated_covariance(prepared, found), False)["sigma1"]
     assert damping.stderr is None
@@ -123,7 +123,7 @@ def test_a_breakaway_friction_that_the_logs_do_not_show_is_assumed():
     shape = replace(found.shape, excess=12.0, Vs=1.1e-3 * prepared.top_speed, delta=2.0)
     high = refit(prepared, (), shape)
     assert law_parameters(high).Fs_pos > 2.0 * LEVEL
-    lower = with_assumed_breakaway(prepared, high, stated_covariance)
+    lower = with_assumed_breakaway(prepared, high)
     law = law_parameters(lower)
     assert law.Fc_pos <= law.Fs_pos <= 1.3 * LEVEL
     assert lower.drive_rms <= high.drive_rms / (1.0 - CLEARLY)

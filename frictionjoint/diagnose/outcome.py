@@ -15,7 +15,6 @@ from frictionjoint.diagnose.unnamed import quantities_alike
 from frictionjoint.identify.assumptions import with_assumptions
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
-from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rounding import best_of
@@ -64,9 +63,9 @@ def finish_search(
     if state.fit.effects or not_given:
         findings = _settled(state, replayed, by_motion, rng)
     prepared, base = with_last_freedoms(*alone)
-    base = with_assumptions(prepared, base, stated_covariance)
+    base = with_assumptions(prepared, base)
     if findings or not_given:
-        state.fit = with_assumptions(state.prepared, state.fit, stated_covariance)
+        state.fit = with_assumptions(state.prepared, state.fit)
     else:
         state.prepared, state.fit = prepared, base
     return Trace(

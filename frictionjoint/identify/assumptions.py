@@ -1,7 +1,6 @@
 """What the logs do not determine of a friction law, assumed so that the model is right at rest."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 from frictionjoint.arrays import Array, root_mean_square
@@ -9,49 +8,33 @@ from frictionjoint.decisions import CLEARLY
 from frictionjoint.effects.signals import A
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
 from frictionjoint.identify.search import ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import IntegratedShape
 from frictionjoint.identify.terms import EffectTerm
 
-# parts of the critical damping that are tried, and growth of the residual that shows nothing
-_PARTS_OF_CRITICAL, _NOTHING = tuple(0.5**k for k in range(8)), 0.01
-# part of the critical damping that brings a joint to rest within about a hundred periods
-_LITTLE = 0.02
-# Fs / Fc - 1 that may be assumed
-_EXCESSES = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
-
-def with_assumptions(
-    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
-) -> Fit:
+def with_assumptions(prepared: Prepared, fitted: Fit) -> Fit:
     """The same fit with assumptions about what the logs do not determine.
 
     A parameter that they do not determine may have any value in a fit, and a model with that value
     may creep, ring or jam at rest. An assumption is made if the residual is not clearly larger than
     without it.
-
-    Args:
-        covariance: function of logs and fit that returns the covariance of its parameters.
     """
     for assume in (with_assumed_stiffness, with_assumed_breakaway, with_assumed_damping):
-        fitted = assume(prepared, fitted, covariance)
+        fitted = assume(prepared, fitted)
     return fitted
 
 
-def with_assumed_stiffness(
-    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
-) -> Fit:
+def with_assumed_stiffness(prepared: Prepared, fitted: Fit) -> Fit:
     """The same fit with an assumed stiffness, if the logs do not determine it.
 
     The assumed value is as high as the encoder's resolution and the time step allow (see
     `shortest`), so that the joint sticks. The logs determine a stiffness if its standard error is
     below half of its value, or if no other parameter of the law can compensate for the assumed
     value.
-
-    Args:
-        covariance: see `with_assumptions`.
     """
     shape = fitted.shape.with_assumed_stiffness(shortest(prepared))
     if isinstance(shape, ConstraintShape):
@@ -59,35 +42,30 @@ def with_assumed_stiffness(
     # a stiffness without a torque holds nothing
     if not shape.stiffness_assumed or not _holds(fitted):
         return fitted
-    if not _law(prepared, fitted, covariance)["stiffness"].is_loose:
+    if not _law(prepared, fitted)["stiffness"].is_loose:
         return fitted
     found = refit(prepared, fitted.effects, shape, ROUGH)
     return found if _allowed(found, fitted) else fitted
 
 
-def with_assumed_damping(
-    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
-) -> Fit:
+def with_assumed_damping(prepared: Prepared, fitted: Fit) -> Fit:
     """The same fit with an assumed damping sigma1, if the stuck joint would ring.
 
     A law with a soft presliding stiffness and no damping lets the joint oscillate at rest without
     end, because its first segment is elastic. The assumed value damps the joint critically, or
     half as much, or half of that and so on, until the logs allow it. A stiffness that is assumed
     needs none, because the time step damps it. A damping that the logs determine stays.
-
-    Args:
-        covariance: see `with_assumptions`.
     """
     shape = fitted.shape
     if not isinstance(shape, IntegratedShape) or shape.stiffness_assumed or not fitted.has_level:
         return fitted
     known = fitted.coefficient("sigma1") if shape.damped else 0.0
-    if known > 0.0 and not _law(prepared, fitted, covariance)["sigma1"].is_loose:
+    if known > 0.0 and not _law(prepared, fitted)["sigma1"].is_loose:
         return fitted
     level, viscosity = fitted.levels
     inertia = max(s.inertia for s in prepared.segments)
     critical = 2.0 * math.sqrt(law_parameters(fitted).stiffness * inertia)
-    for part in _PARTS_OF_CRITICAL:
+    for part in (0.5**k for k in range(8)):
         wanted = part * critical - viscosity
         if wanted <= known:
             break
@@ -95,29 +73,25 @@ def with_assumed_damping(
         # a search could end in another minimum, where friction is viscous instead
         search = Search(prepared, fitted.terms, damped)
         found = search.result(search.start)
-        # a joint that would not come to rest is worse than a residual that is not clearly larger
-        if _allowed(found, fitted, CLEARLY if part <= _LITTLE else _NOTHING):
+        # with 2% of the critical damping a joint comes to rest within about a hundred periods; one
+        # that would not is worse than a residual that is not clearly larger
+        if _allowed(found, fitted, CLEARLY if part <= 0.02 else 0.01):
             return found
     return fitted
 
 
-def with_assumed_breakaway(
-    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
-) -> Fit:
+def with_assumed_breakaway(prepared: Prepared, fitted: Fit) -> Fit:
     """The same fit with an assumed breakaway friction Fs, if the logs do not determine it.
 
     It is that of Coulomb friction, or as little above it as the logs allow.
-
-    Args:
-        covariance: see `with_assumptions`.
     """
     shape = fitted.shape
     if not isinstance(shape, IntegratedShape) or not fitted.has_level:
         return fitted
-    law = _law(prepared, fitted, covariance)
+    law = _law(prepared, fitted)
     if not (law["Fs_pos"].is_loose or law["Fs_neg"].is_loose):
         return fitted
-    for excess in _EXCESSES:
+    for excess in (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0):
         if excess >= shape.excess:
             break
         found = refit(prepared, fitted.effects, shape.with_assumed_breakaway(excess), ROUGH)
@@ -131,10 +105,8 @@ def _allowed(found: Fit, fitted: Fit, growth: float = CLEARLY) -> bool:
     return found.drive_rms <= fitted.drive_rms / (1.0 - growth)
 
 
-def _law(
-    prepared: Prepared, fitted: Fit, covariance: Callable[[Prepared, Fit], Array]
-) -> dict[str, Estimate]:
-    return law_estimates(fitted, covariance(prepared, fitted), prepared.slide)
+def _law(prepared: Prepared, fitted: Fit) -> dict[str, Estimate]:
+    return law_estimates(fitted, stated_covariance(prepared, fitted), prepared.slide)
 
 
 def _holds(fitted: Fit) -> bool:

@@ -132,10 +132,6 @@ class Segment:
         corner = corner_above_noise(torque, self.dt, self.bandwidth_hz, self.corner_hz)
         return _lowpass(len(torque), self.dt, corner, 1)(torque)
 
-    def smooth(self, x: Array) -> Array:
-        """A signal after the filter of the balance, at all samples."""
-        return self.undecimated(x)
-
     @property
     def undecimated(self) -> LowPass:
         """The filter of the balance, without decimation."""

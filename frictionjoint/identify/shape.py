@@ -97,7 +97,6 @@ _LENGTH = "log length"
 _BOTH = ("excess", "log Vs", "delta", _LENGTH, "log bend 1", "log bend 2")
 OF_NEGATIVE = " of negative motion"
 _NEGATIVE = ("excess" + OF_NEGATIVE, "log Vs" + OF_NEGATIVE)
-_LEAST_BEND = 0.02
 
 # Torque of the transition curve's knots over its reach: three segments, as in the paper.
 _TORQUES = (0.5, 0.8, 1.0)
@@ -206,7 +205,7 @@ class IntegratedShape:
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """Bounds of Stribeck curve, presliding length and bends, in the order of `variables`."""
         low, high = level_bounds(vmax)
-        bend = (float(np.log(_LEAST_BEND)), 0.0)
+        bend = (float(np.log(0.02)), 0.0)
         each = [*zip(low, high, strict=True), length_bounds(span), bend, bend]
         by_name = dict(zip((*_BOTH, *_NEGATIVE), [*each, *each[:2]], strict=True))
         least, most = zip(*(by_name[name] for name in self.variables), strict=True)
@@ -217,8 +216,9 @@ class IntegratedShape:
 
         A straight one is sufficient because a small n makes the loops curved enough.
         """
-        first, second = np.clip(start.bend, *_BENDS)
-        straight = _BENDS[1]
+        # a bend that is smaller or larger at the start cannot move
+        straight = 0.95
+        first, second = np.clip(start.bend, 0.03, straight)
         return [
             replace(
                 self,
@@ -350,9 +350,6 @@ def _speed(time: Array, q: Array, edges: Index | None) -> Array:
     v[edges_of(q, edges)[:-1]] = 0.0
     return v
 
-
-# least and largest bend that a search begins with: beyond, none can move
-_BENDS = (0.03, 0.95)
 
 INTEGRATED = tuple(
     IntegratedShape(0.2, 1.0, 1.0, 1.0, (0.4, 0.4), Form(n, variant, "literal"))

@@ -21,8 +21,6 @@ from frictionjoint.identify.segment import Prepared
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have
 # another law leave 3 to 10% of the level there.
 DISCREPANCY = 0.05
-# fraction of sticking below which a contact slides, and beyond which it sticks
-_SLIDING, _STICKING = 0.05, 0.5
 # most that the torque of a curve which saturates exponentially changes, over its level, when its
 # stiffness changes by a part
 _PER_STIFFNESS = np.exp(-1.0)
@@ -50,7 +48,7 @@ def _errors(prepared: Prepared, sticking: Sequence[Array], residual: Array) -> E
     """Residuals of a model, by the fraction of each sample that sticks."""
     pairs = zip(prepared.segments, sticking, strict=True)
     stuck = np.concatenate([s.at_kept(x) for s, x in pairs])
-    sliding, sticks = residual[stuck < _SLIDING], residual[stuck > _STICKING]
+    sliding, sticks = residual[stuck < 0.05], residual[stuck > 0.5]
     base = root_mean_square(sliding) if sliding.size else root_mean_square(residual)
     return Errors(base, root_mean_square(sticks) if sticks.size else 0.0)
 
@@ -117,7 +115,7 @@ def _weighed(
         known = missed**2 + (DISCREPANCY * level) ** 2
         variance = stuck * np.maximum(known, errors.sticking**2 - base**2)
         if s.unknown is not None:
-            variance = variance + s.smooth(np.abs(s.unknown)) ** 2
+            variance = variance + s.undecimated(np.abs(s.unknown)) ** 2
         weights.append(1.0 / np.sqrt(1.0 + variance / base**2))
     return prepared.weighed(weights)
 
