@@ -62,13 +62,15 @@ def test_what_is_there_is_found_alone_with_its_size(effects, expected, tmp_path)
         assert values[number] == pytest.approx(value, rel=tolerance)
 
 
-def test_a_wave_as_long_as_the_travel_is_named_where_it_predicts_more_than_a_curve(tmp_path):
-    wave = Effect("position-periodic", {"amplitude": 0.15, "cycles": 4.0, "phase": 0.4})
-    found = traced(tmp_path, wave)
-    assert found.prepared.span * 4.0 < 2.0 * np.pi  # not one wave in the longest log
+@pytest.mark.parametrize(("size", "N"), [({"amplitude": 0.15}, 4.0), ({"level": 0.3}, 6.0)])
+def test_a_wave_as_long_as_the_travel_is_named_where_it_predicts_more_than_a_curve(
+    size, N, tmp_path
+):
+    found = traced(tmp_path, Effect("position-periodic", {**size, "cycles": N, "phase": 0.4}))
+    assert found.prepared.span * N < 2.0 * np.pi  # not one wave in the longest log
     (step,) = found.findings
     assert step.term.name == "position-periodic"
-    assert step.term.free_shape[0] == pytest.approx(4.0, rel=0.05)
+    assert step.term.free_shape[0] == pytest.approx(N, rel=0.05)
     assert found.final.rms_in_motion < 0.05 * found.base.rms_in_motion
 
 

@@ -29,7 +29,7 @@ def tried(name, left):
 def of_term(term, left):
     candidate = Candidate(term, RNG.normal(size=(100, len(term.coefficients))))
     score = Scored(FIT, left * WITHOUT * RNG.uniform(0.5, 1.5, BLOCKS))
-    return Tried(Move((term,), (candidate,), score.squares), None, score)
+    return Tried(Move((term,), (candidate,), score.squares, None), None, score)
 
 
 @pytest.mark.parametrize("order", [1, -1])

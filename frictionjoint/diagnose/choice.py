@@ -5,7 +5,7 @@ from functools import partial
 from typing import NamedTuple
 
 from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
-from frictionjoint.diagnose.moves import Look, Move
+from frictionjoint.diagnose.moves import Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import apart, needed, numbers_of
 from frictionjoint.identify.instruments import EncoderTerm
@@ -70,22 +70,22 @@ def _is_certain(move: Move) -> bool:
     return all(c.term.effect.first for c in move.added)
 
 
-def beyond_chance(move: Move, seen: Look) -> bool:
+def beyond_chance(move: Move) -> bool:
     """Whether chance seldom explains as much, over the whole family of candidates.
 
     Effects that are certain to exist are tested only for size.
     """
-    asked = [seen.find(c.term).p_value for c in move.added if not c.term.effect.first]
+    asked = [move.seen.find(c.term).p_value for c in move.added if not c.term.effect.first]
     return min(asked, default=0.0) <= SIGNIFICANCE
 
 
-def promises(move: Move, seen: Look) -> bool:
+def promises(move: Move) -> bool:
     """Whether a change may gain enough once it is refitted.
 
     A refit gains up to 2.7 times what the screen promises (177 refits on 15 test joints). Effects
     that are certain to exist need not gain much.
     """
-    return _is_certain(move) or seen.gain(move) >= SMALLEST_GAIN / 3.0
+    return _is_certain(move) or move.seen.gain(move) >= SMALLEST_GAIN / 3.0
 
 
 def _much_before(unnamed: Tried, best: Tried, now: Scored) -> bool:

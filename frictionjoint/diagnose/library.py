@@ -79,6 +79,13 @@ def effects(
     return _with_waves(prepared, fitted, signals, blocks, grid, [waves])
 
 
+def waves_in_position(prepared: Prepared, fitted: Fit, blocks: Blocks) -> list[Candidate]:
+    """Candidates that are waves in position, however short."""
+    signals = signals_of(prepared, fitted)
+    terms, lines = periodic_terms(prepared, signals, fitted, blocks)
+    return _candidates(prepared, fitted, signals, terms, [lines] * len(terms))
+
+
 def _of_known_size(prepared: Prepared, fitted: Fit, terms: Sequence[Term]) -> list[Term]:
     """The terms, without inertia effects if the logs do not determine the torque scale.
 

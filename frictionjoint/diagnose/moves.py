@@ -27,12 +27,13 @@ class Move(NamedTuple):
 
     Attributes:
         terms: after the change. added: candidates that are added. left: expected held-out sum of
-            squares of each block, shape (B,).
+            squares of each block, shape (B,). seen: all candidates of the step that proposed it.
     """
 
     terms: tuple[Term, ...]
     added: tuple[Candidate, ...]
     left: Array
+    seen: "Look"
 
     @property
     def unnamed(self) -> bool:
@@ -172,13 +173,14 @@ class Moves:
         return [m for found, most in sorts for m in in_order(found, _total)[:most]]
 
     def _added(self, candidates: Sequence[Candidate]) -> list[Move]:
-        return [Move((*self.own, c.term), (c,), self.seen.find(c.term).left) for c in candidates]
+        seen = self.seen
+        return [Move((*self.own, c.term), (c,), seen.find(c.term).left, seen) for c in candidates]
 
     def _pairs(self) -> list[Move]:
         found = []
         for a, b in itertools.combinations(self.named[:8], 2):
             left, _ = self.screened.held_out([*self.screened.terms, self._at(a), self._at(b)])
-            found.append(Move((*self.own, a.term, b.term), (a, b), left))
+            found.append(Move((*self.own, a.term, b.term), (a, b), left, self.seen))
         return found
 
     def _exchanges(self) -> list[Move]:
@@ -189,7 +191,7 @@ class Moves:
                 if c.term.name != term.name:
                     left, _ = self.screened.held_out([*rest, self._at(c)])
                     terms = in_place(self.own, i, c.term)
-                    found.append(Move(terms, (c,), left))
+                    found.append(Move(terms, (c,), left, self.seen))
         return found
 
     def _at(self, candidate: Candidate) -> Columns:

@@ -25,14 +25,13 @@ from frictionjoint.decisions import MOSTLY, SIGNIFICANCE, TIE
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding
-from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked, look
+from frictionjoint.diagnose.look_without import look_without
+from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
 from frictionjoint.identify.blocks import halves
-from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
-from frictionjoint.identify.search import Search
-from frictionjoint.identify.terms import Term, all_but
+from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 
 
@@ -110,8 +109,7 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     their earlier evidence.
     """
     rest = replace(state, fit=without(state, finding.term))
-    as_it_is = replace(state, fit=_as_it_is(state, finding.term))
-    seen, _ = look(as_it_is.fit, as_it_is.blocks, as_it_is.candidates, rng)
+    _, seen = look_without(state, finding.term, rng)
     row = next((r for r in seen.rows if r.name == finding.term.name), None)
     if row is None:
         return finding
@@ -139,15 +137,6 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     came = finding.row.p_value
     row = row._replace(frequency=chosen, p_value=came if came <= SIGNIFICANCE else row.p_value)
     return replace(finding, look=seen, row=row, gain=gain)
-
-
-def _as_it_is(state: State, term: Term) -> Fit:
-    """The model without one effect; the law and the shapes of the other effects stay as they are.
-
-    Time offsets stay too: an offset freed by another fit could imitate the removed inertia.
-    """
-    as_it_is = Search(state.prepared, all_but(state.fit.terms, term), state.fit.shape)
-    return as_it_is.result(as_it_is.start)
 
 
 def _within_error(seen: Look, row: Looked) -> set[str]:

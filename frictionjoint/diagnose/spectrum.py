@@ -11,6 +11,7 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.friction_level import REACHES
 from frictionjoint.effects.signals import LOAD, TIME, A, H, Q, V
+from frictionjoint.identify.basis import lengths, orthonormal
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import FEWEST_WAVES, HALF_A_WAVE
@@ -124,8 +125,11 @@ def periodic_terms(
     cell = np.minimum((cells * (q - q.min()) / span).astype(int), cells - 1)
     # periods are counted over where the joint mostly is: a few excursions must not make a slow
     # wave out of a smooth curve
-    first, last = int(2 * HALF_A_WAVE * span / prepared.usual_travel), cells // 4
+    slowest, width = 2.0 * np.pi * HALF_A_WAVE / prepared.usual_travel, np.pi / span
+    first, last = int(slowest / width), cells // 4
     fold = blocks.fold[blocks.of_sample]
+    law = np.column_stack([fitted.free_jacobian, fitted.begun]) * fitted.weight[:, None]
+    known, target = orthonormal(law / lengths(law)), fitted.residual * fitted.weight
     found: list[Term] = []
     for effect in harmonics:
         weight = x[:, 1] if effect.entry == "scales the friction level" else np.ones(len(q))
@@ -143,10 +147,13 @@ def periodic_terms(
         for part in F:
             lines |= set(_peaks(np.abs(whole - part) ** 2, 1))
         for line in sorted(lines):
-            N = np.pi * (line + first) / span
-            reach = (REACHES[-1] * span,) if "reach" in effect.shape else ()
-            N = _sharpened(float(N), q, weight, e, span)
-            found.append(EffectTerm(effect, (N, *reach)))
+            # a line is as wide as half a period over the span, and without the law it may be the
+            # next one
+            N = width * (line + first)
+            bounds = max(slowest, N - width), N + width
+            N = _sharpened(bounds, q, weight * fitted.weight, target, known)
+            reaches = [(part * span,) for part in REACHES] if "reach" in effect.shape else [()]
+            found += [EffectTerm(effect, (N, *reach)) for reach in reaches]
     return found, max(1.0, (last - first) / 2.0)
 
 
@@ -160,12 +167,23 @@ def _peaks(power: Array, count: int) -> list[int]:
     return found
 
 
-def _sharpened(N: float, q: Array, weight: Array, e: Array, span: float) -> float:
-    """The frequency near a spectral line at which a wave explains most of an error."""
-    trials = N + np.linspace(-1.0, 1.0, 5) * np.pi / span / 2.0
-    gains = []
-    for trial in trials:
-        X = np.column_stack([np.sin(trial * q), np.cos(trial * q)]) * weight[:, None]
-        s = X.T @ e
-        gains.append(float(s @ np.linalg.lstsq(X.T @ X, s, rcond=1e-9)[0]))
-    return float(trials[np.argmax(gains)])
+def _sharpened(
+    bounds: tuple[float, float], q: Array, scale: Array, target: Array, known: Array
+) -> float:
+    """The frequency within bounds at which a wave in position explains most of a residual.
+
+    A law that was fitted without the wave has taken a part of it, so the law's own freedom is
+    projected out of the wave.
+
+    Args:
+        q: position, (n,). scale: of the wave at each sample, weighted, (n,).
+        target: weighted residual, (n,). known: orthonormal basis of the law's freedom, (n, k).
+    """
+
+    def explained(trial: float) -> float:
+        X = np.column_stack([np.sin(trial * q), np.cos(trial * q)]) * scale[:, None]
+        X -= known @ (known.T @ X)
+        s = X.T @ target
+        return float(s @ np.linalg.lstsq(X.T @ X, s, rcond=1e-9)[0])
+
+    return float(minimize_scalar(lambda x: -explained(x), bounds=bounds).x)

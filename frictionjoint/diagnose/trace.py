@@ -28,6 +28,7 @@ from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
+from frictionjoint.diagnose.named_instead import named_instead, unlike_a_curve
 from frictionjoint.diagnose.nearest import Replayed
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.outcome import finish_search
@@ -219,7 +220,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     worth = [
         m
         for m in Moves(current, seen, screened, candidates).best()
-        if m.kind not in refused and beyond_chance(m, seen) and promises(m, seen)
+        if m.kind not in refused and beyond_chance(m) and promises(m)
     ]
     with side_by_side() as each:
         tried = list(each(attempt, worth))
@@ -229,7 +230,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
         tried += _unbent(state, now, blocks)
         choice = chosen(now, tried)
     if choice:
-        now, tried = _looked_at_again(state, now, tried, choice.taken)
+        now, tried = _looked_at_again(state, now, tried, choice.taken, rng)
         choice = chosen(now, tried)
     while choice:
         changed = _changed(state, choice, tried, now)
@@ -273,21 +274,24 @@ def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, F
 
 def _changed(state: State, choice: Choice, tried: Sequence[Tried], now: Scored) -> State:
     """The model after a change, without effects that became redundant."""
-    taken, seen = choice.taken, state.look
+    taken = choice.taken
     prepared, fitted = settled(*reweighed(taken.prepared, taken.score.fit))
     gain = taken.score.gain(now)
-    found = [
-        Finding(
-            term=candidate.term,
-            look=seen,
-            row=seen.find(candidate.term),
-            gain=min(gain, seen.gain(seen.find(candidate.term))) if gain > 0 else gain,
-            ties=choice.ties,
-            rivals=rivals_of(taken, tried, now),
-            fit=fitted,
+    found = []
+    for candidate in taken.move.added:
+        seen = taken.move.seen if taken.move.seen.holds(candidate.term) else state.look
+        row = seen.find(candidate.term)
+        found.append(
+            Finding(
+                term=candidate.term,
+                look=seen,
+                row=row,
+                gain=min(gain, seen.gain(row)) if gain > 0 else gain,
+                ties=choice.ties,
+                rivals=rivals_of(taken, tried, now),
+                fit=fitted,
+            )
         )
-        for candidate in taken.move.added
-    ]
     changed = replace(state, prepared=prepared, fit=fitted, findings=[*state.findings, *found])
     drop_idle(changed)
     return changed
@@ -300,16 +304,17 @@ def _more(after: Fit, before: Fit, move: Move) -> list[str]:
 
 
 def _looked_at_again(
-    state: State, now: Scored, tried: Sequence[Tried], best: Tried
+    state: State, now: Scored, tried: Sequence[Tried], best: Tried, rng: np.random.Generator
 ) -> tuple[Scored, list[Tried]]:
     """The leading changes, screened again with the weights of the best one and with an unbiased
     law.
 
     The missing effect may have biased the law, and with it the weights and the initial friction
-    states. Then the residual depends on which change was tried first.
+    states. Then the residual depends on which change was tried first. An unnamed dependence that
+    the best one contains may be an effect that only an unbiased law shows.
     """
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
-    leaders = [t for t in tried if t is best or t.score.gain(now) >= least]
+    leaders = [best, *(t for t in tried if t is not best and t.score.gain(now) >= least)]
     prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
     anew = fit(prepared, first.effects, forms_like(first.shape))
     first = best_of([first, anew], lambda f: f.drive_rms)
@@ -325,12 +330,18 @@ def _looked_at_again(
         own, found = settled(prepared, found) if swung else (prepared, found)
         return own, scored(found, blocks)
 
+    unbiased = replace(state, prepared=prepared, fit=first)
+    instead = [m for m in named_instead(unbiased, best.move, rng) if m.kind not in state.refused]
+    moves = [*(t.move for t in leaders), *instead]
     models = [state.fit.effects, *(t.score.fit.effects for t in leaders)]
+    models += [m.terms for m in instead]
+    several, count = len(leaders) > 1, len(leaders)
+    bent = [several and all(bends(c.term) for c in t.move.added) for t in leaders]
     with side_by_side() as each:
-        several = len(leaders) > 1
-        bent = [several and all(bends(c.term) for c in t.move.added) for t in leaders]
-        (_, before), *changes = list(each(begun, models, [False, *bent]))
-    return before, [Tried(t.move, *change) for t, change in zip(leaders, changes, strict=True)]
+        freed = [False, *bent, *(False for _ in instead)]
+        (_, before), *changes = list(each(begun, models, freed))
+    again = [Tried(m, *change) for m, change in zip(moves, changes, strict=True)]
+    return before, [*again[:count], *unlike_a_curve(again[count:], again[0])]
 
 
 def _follow(state: State) -> bool:

@@ -86,4 +86,4 @@ def candidates_to_refit_jointly(
     most = (1.0 - SMALLEST_GAIN) * alone
     hidden = [rest[k] for k in in_order(range(len(rest)), lambda k: left[k]) if left[k] <= most]
     tried = [*((r, laws.own_forms) for r in asked), *((r, [own]) for r in hidden[:LEADERS])]
-    return [(Move((r.candidate.term,), (r.candidate,), r.left), forms) for r, forms in tried]
+    return [(Move((r.candidate.term,), (r.candidate,), r.left, seen), forms) for r, forms in tried]
