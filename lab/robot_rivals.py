@@ -86,7 +86,7 @@ def case_of(robot, data) -> Case:
         ):
             motions.append(np.array([motion(s, name, found.names, k) for k in range(3)]))
             torques.append(s.balanced_drive())
-        found.moving.append(other.kept_weight**2 > IN_MOTION)
+        found.moving.append(other.at_kept(other.weight) ** 2 > IN_MOTION)
         found.size.append(joint.fit.target_rms)
         segments[0].append(one)
         segments[1].append(other)

@@ -86,7 +86,8 @@ def _asked_for(
             break
         own, prepared, chosen = best
         now = judged(prepared, chosen, courses)
-        findings = (*_moved(found.findings, own.fit), own)
+        pairs = zip(found.findings, own.fit.effects, strict=False)
+        findings = (*(replace(f, term=t) for f, t in pairs), own)
         found = replace(found, prepared=prepared, final=own.fit, findings=findings)
     return found, now
 
@@ -278,8 +279,3 @@ def _gain(r: Array, C: Array) -> tuple[float, Array]:
     """Fraction of r'r that columns C remove to first order, and the changes that do so."""
     change = np.asarray(np.linalg.lstsq(C, -r, rcond=1e-8)[0])
     return float(1.0 - np.sum((r + C @ change) ** 2) / np.sum(r**2)), change
-
-
-def _moved(findings: Sequence[Finding], fitted: Fit) -> tuple[Finding, ...]:
-    """Findings with the terms of a later fit in place of their own."""
-    return tuple(replace(f, term=t) for f, t in zip(findings, fitted.effects, strict=False))

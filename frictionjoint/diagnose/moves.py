@@ -170,7 +170,11 @@ class Moves:
             (self._pairs(), 1),
             (self._exchanges(), ALTERNATIVES),
         )
-        return [m for found, most in sorts for m in in_order(found, _total)[:most]]
+        return [
+            m
+            for found, most in sorts
+            for m in in_order(found, lambda m: float(m.left.sum()))[:most]
+        ]
 
     def _added(self, candidates: Sequence[Candidate]) -> list[Move]:
         seen = self.seen
@@ -196,7 +200,3 @@ class Moves:
 
     def _at(self, candidate: Candidate) -> Columns:
         return self.screened.candidates[self.place[id(candidate)]]
-
-
-def _total(move: Move) -> float:
-    return float(move.left.sum())

@@ -104,7 +104,12 @@ def trace(
         if not changed:
             # what another law would explain as well may be an effect after all
             state.law_errs = False
-            changed = _of_joint(state, rng) or _of_drive(state, rng, look_at_hidden_drive)
+            first = [] if state.fit.effects else _first(state)
+            changed = (
+                _taken(state, first, rng)
+                or _taken(state, state.candidates, rng)
+                or _of_drive(state, rng, look_at_hidden_drive)
+            )
         if not changed or (_names(state) != before and _names(state) in known):
             break  # effects that come back would do so without end
         known.add(_names(state))
@@ -136,12 +141,6 @@ def _early(state: State) -> bool:
     """Whether all findings so far are certain effects or effects of the drive, which come first."""
     effects = state.fit.effects
     return all(t.effect.first or t.effect.drive for t in effects)
-
-
-def _of_joint(state: State, rng: np.random.Generator) -> list[str]:
-    """One change other than of the drive; result as in `_step`."""
-    first = [] if state.fit.effects else _first(state)
-    return _taken(state, first, rng) or _taken(state, state.candidates, rng)
 
 
 def _first(state: State) -> list[Candidate]:

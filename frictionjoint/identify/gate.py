@@ -27,7 +27,7 @@ from frictionjoint.identify.basis import lengths, pseudo_inverse
 from frictionjoint.identify.error_messages import driven, too_large, turned_round, unexplained
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.plain_friction import plain_friction, top_speed
-from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.identify.segment import Prepared
 
 # Largest part of the torque's rms that a model may leave: a tenth of the mean square is explained
 # then. Good logs leave 0.88 at most, noise leaves 0.96 at least.
@@ -277,30 +277,26 @@ def _hint(prepared: Prepared, b: Balance) -> str:
 def _balance(prepared: Prepared) -> Balance:
     thin = prepared.thinned(6000)
     top = top_speed(thin.segments)
-    rows = [_of_segment(s, top) for s in thin.segments]
-    motion, other, drive = (np.concatenate(part) for part in zip(*rows, strict=True))
-    sizes = [len(row[2]) for row in rows]
+    rows = []
+    for s in thin.segments:
+        known = s.signals[:, [LOAD, GX, GY, Q, V, A]]
+        jerk = np.gradient(s.signals[:, A], s.dt)
+        rows.append(s.balanced(np.column_stack([s.drive, known, jerk, plain_friction(s, top)])))
+    sizes = [len(row) for row in rows]
+    drive, load, gx, gy, q, v, a, jerk, side, *elements = np.concatenate(rows).T
     return Balance(
         drive=drive,
-        load=motion[:, 0],
-        gravity=motion[:, 1:3],
-        v=motion[:, 3],
-        a=motion[:, 4],
-        jerk=motion[:, 5],
-        q=other[:, 0],
-        side=other[:, 1],
-        elements=other[:, 2:],
+        load=load,
+        gravity=np.column_stack([gx, gy]),
+        q=q,
+        v=v,
+        a=a,
+        jerk=jerk,
+        side=side,
+        elements=np.column_stack(elements),
         log=np.repeat(np.arange(len(sizes)), sizes),
         block=_blocks(len(drive)),
     )
-
-
-def _of_segment(s: Segment, top: float) -> tuple[Array, Array, Array]:
-    """Load and derivatives, the other regressors, and the drive, on the kept samples."""
-    jerk = np.gradient(s.signals[:, A], s.dt)
-    motion = np.column_stack([s.signals[:, [LOAD, GX, GY, V, A]], jerk])
-    other = np.column_stack([s.signals[:, Q], plain_friction(s, top)])
-    return s.balanced(motion), s.balanced(other), s.balanced(s.drive)
 
 
 def _blocks(n: int) -> NDArray[np.int64]:

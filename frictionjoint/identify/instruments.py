@@ -68,15 +68,6 @@ class ExcessTerm(TunedTerm):
             "saturates, and the log contains the command. The final fit uses the torque that acted."
         )
 
-    def corrected(self, segment: Segment, fraction: float) -> Segment:
-        """A log with the torque that was delivered.
-
-        Args:
-            fraction: of the torque beyond the level that was not delivered.
-        """
-        excess = self.columns(segment, segment.signals)[:, 0]
-        return replace(segment, drive=segment.drive - fraction * excess)
-
 
 # a level beyond which torque did not act, and which fraction of it
 NotGiven = tuple[ExcessTerm, float]
@@ -86,7 +77,9 @@ def as_given(prepared: Prepared, not_given: Sequence[NotGiven]) -> Prepared:
     """Logs with the torque that was delivered."""
     logs = list(prepared.segments)
     for term, fraction in not_given:
-        logs = [term.corrected(s, fraction) for s in logs]
+        excess = [term.columns(s, s.signals)[:, 0] for s in logs]
+        pairs = zip(logs, excess, strict=True)
+        logs = [replace(s, drive=s.drive - fraction * x) for s, x in pairs]
     return replace(prepared, segments=tuple(logs))
 
 

@@ -380,6 +380,12 @@ class Search:
         moves = self.balance.moves(shape, terms, beta)
         low, high = self._ranges(shape, terms)
         near = 1e-4 * (self.bounds[1] - self.bounds[0])
+        # possible free oscillations at the start of the logs
+        swings = [
+            swings_of(self.prepared, term) * beta[self.layout.coefficients(i)]
+            for i, term in enumerate(terms)
+            if term.effect.free
+        ]
         return Fit(
             shape=shape,
             terms=terms,
@@ -399,17 +405,9 @@ class Search:
             low=np.concatenate([self.low, low - x]),
             high=np.concatenate([self.high, high - x]),
             log_index=index,
-            begun=np.hstack([np.zeros((len(y), 0)), *self._swings(terms, beta)]) * gain,
+            begun=np.hstack([np.zeros((len(y), 0)), *swings]) * gain,
             target_rms=root_mean_square(self._drive(y) * gain),
             acting=acting,
             holding=self._holding(terms, beta),
             commanded=self.prepared.commanded,
         )
-
-    def _swings(self, terms: tuple[Term, ...], beta: Array) -> list[Array]:
-        """Columns of possible free oscillations at the start of the logs."""
-        return [
-            swings_of(self.prepared, term) * beta[self.layout.coefficients(i)]
-            for i, term in enumerate(terms)
-            if term.effect.free
-        ]

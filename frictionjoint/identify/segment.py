@@ -142,13 +142,6 @@ class Segment:
         return np.asarray(x[:: self.step][self.kept])
 
     @property
-    def kept_weight(self) -> Array:
-        """Weights of the kept samples."""
-        if self.weight is None:
-            return np.ones(int(self.kept.sum()))
-        return self.at_kept(self.weight)
-
-    @property
     def filter(self) -> LowPass:
         """The filter of the balance."""
         return _lowpass(len(self.drive), self.dt, self.bandwidth_hz, self.step)
@@ -249,7 +242,8 @@ class Prepared:
     @cached_property
     def weight(self) -> Array:
         """Weights of the kept samples of all logs in order."""
-        return np.concatenate([s.kept_weight for s in self.segments])
+        ones = (np.ones(len(s.drive)) if s.weight is None else s.weight for s in self.segments)
+        return np.concatenate([s.at_kept(x) for s, x in zip(self.segments, ones, strict=True)])
 
     @property
     def balanced_drive(self) -> Array:

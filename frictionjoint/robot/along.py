@@ -67,7 +67,7 @@ class Along:
     @cached_property
     def regressor(self) -> Regressor:
         """Regressor along the corrected motion, with the corrected gravity."""
-        return self._regressor(self.state.offset)
+        return Regressor(self.tree, self._trajectory(self.state.offset), self.state.gravity)
 
     @cached_property
     def torque(self) -> Array:
@@ -219,9 +219,6 @@ class Along:
     @cached_property
     def _believed(self) -> Array:
         return Regressor(self.tree, self._trajectory({})).torque(self.dof)
-
-    def _regressor(self, offset: dict[str, float]) -> Regressor:
-        return Regressor(self.tree, self._trajectory(offset), self.state.gravity)
 
     def _trajectory(self, offset: dict[str, float]) -> Trajectory:
         n, model = len(self.original.signals), self.model

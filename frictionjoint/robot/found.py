@@ -48,16 +48,11 @@ class Found:
 
     def pairs(self, i: int) -> list[tuple[Corrections, Corrections, float]]:
         """Corrections below and above each number of a cause."""
-        found = []
-        for k, step in enumerate(self.causes[i].steps):
-            ends = []
-            for sign in (-1.0, 1.0):
-                x = self.numbers[i].copy()
-                x[k] += sign * step
-                ends.append(
-                    composed(
-                        self.causes, (*self.numbers[:i], x, *self.numbers[i + 1 :]), self.original
-                    )
-                )
-            found.append((ends[0], ends[1], 2.0 * float(step)))
+        found, before, x = [], self.numbers[:i], self.numbers[i]
+        for way in np.diag(self.causes[i].steps):
+            low, high = (
+                replace(self, numbers=(*before, end, *self.numbers[i + 1 :])).state
+                for end in (x - way, x + way)
+            )
+            found.append((low, high, 2.0 * float(way.sum())))
         return found

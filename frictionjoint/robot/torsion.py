@@ -52,12 +52,10 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     known = np.column_stack([offsets, link, torque])
     unit = torque / np.abs(torque).max()
     elements = [_element(prepared, reach) for reach in _REACHES]
-    best = _pruned(
-        min(
-            (_with(known, np.tanh(unit / t)[:, None], e, twist) for t in _TURNS for e in elements),
-            key=_cost,
-        )
-    )
+    sides = [np.tanh(unit / t) for t in _TURNS]
+    columns = [np.column_stack([known, side, -e]) for side in sides for e in elements]
+    models = [_Model(X, twist, ("torque", "gap", "lag")) for X in columns]
+    best = _pruned(min(models, key=_cost))
     per, slope = ("N/m", "m") if prepared.slide else ("N m/rad", "rad")
     return Torsion(
         ratio=1.0 / ratio,
@@ -161,10 +159,6 @@ def _offsets(prepared: Prepared) -> Array:
     """A column of ones per log."""
     counts = [int(s.kept.sum()) for s in prepared.segments]
     return np.repeat(np.eye(len(counts)), counts, axis=0)
-
-
-def _with(known: Array, side: Array, element: Array, twist: Array) -> _Model:
-    return _Model(np.column_stack([known, side, -element]), twist, ("torque", "gap", "lag"))
 
 
 def _pruned(model: _Model) -> _Model:
