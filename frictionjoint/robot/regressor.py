@@ -43,7 +43,9 @@ class Regressor:
         if body not in self.tree.beyond[dof]:
             return np.zeros((len(self.trajectory), TEN))
         if body not in self._motions:
-            self._motions[body] = _motion(self.frames[body], self._felt(body))
+            frame = self.frames[body]
+            a = frame.within(frame.a - self._felt(body)[:, None])
+            self._motions[body] = _Motion(a, frame.within(frame.w), frame.within(frame.alpha))
         found = _component(self.dofs[dof], self.frames[body], self._motions[body])
         return np.ascontiguousarray(found.T)
 
@@ -91,11 +93,6 @@ class _Motion(NamedTuple):
     a: Array
     w: Array
     alpha: Array
-
-
-def _motion(frame: Frame, gravity: Array) -> _Motion:
-    a = frame.within(frame.a - gravity[:, None])
-    return _Motion(a, frame.within(frame.w), frame.within(frame.alpha))
 
 
 def _component(dof: Dof, frame: Frame, motion: _Motion) -> Array:

@@ -70,9 +70,10 @@ def settle(
     for _ in range(4):
         stepped = descended(now, clock(now), found, lambda label: label in single_effects)
         trial = _fitted_again([j.corrected(stepped.state) for j in now], _followed, each)
-        # a gain below 0.1% ends the iteration
-        if before is not None and _cost(trial, before) > 0.999:
-            break
+        if before is not None:
+            ratios = [(a.rms / b.rms) ** 2 for a, b in zip(trial, before, strict=True)]
+            if float(np.mean(ratios)) > 0.999:  # a gain below 0.1% ends the iteration
+                break
         found, now, before = stepped, trial, trial
     return Settled(found, now, clock(now))
 
@@ -127,11 +128,6 @@ def squares_left(
     """Residual sum of squares by joint and block with causes and some effects of joints, (J, B)."""
     seen = screened(joints, blocks, found, single_effects)
     return seen.stack.held_out(columns_of((*seen.accepted, *seen.candidates)))
-
-
-def _cost(trial: Sequence[FittedJoint], now: Sequence[FittedJoint]) -> float:
-    """Sum over joints of the ratio of the sums of squares after and before."""
-    return float(np.mean([(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]))
 
 
 def covariance(stack: Stack, at: Columns) -> Array:

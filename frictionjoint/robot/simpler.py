@@ -154,12 +154,11 @@ def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ..
     return [(c,) for c in inside if c is not None] + [
         (a, b)
         for a, b in pairs
-        if len(a.at) + len(b.at) < size and _apart(a, b) and _possible(seen, known, a, b)
+        if len(a.at) + len(b.at) < size
+        and a.changed != b.changed
+        and not (a.common and b.common)
+        and _possible(seen, known, a, b)
     ]
-
-
-def _apart(a: Candidate, b: Candidate) -> bool:
-    return a.changed != b.changed and not (a.common and b.common)
 
 
 def _possible(seen: Screened, known: Columns, a: Candidate, b: Candidate) -> bool:

@@ -43,7 +43,9 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     pairs = list(zip(logs, prepared.segments, strict=True))
     twist = np.concatenate([_twist(log, s, ratio, geared) for log, s in pairs])
     torque = np.concatenate([s.balanced(s.signals[:, GEAR]) for s in prepared.segments])
-    offsets = _offsets(prepared)
+    # a column of ones per log
+    counts = [int(s.kept.sum()) for s in prepared.segments]
+    offsets = np.repeat(np.eye(len(counts)), counts, axis=0)
     size = root_mean_square(twist - offsets @ (offsets.T @ twist / offsets.sum(axis=0)))
     # with no twist the second position was computed from the first
     if size <= 1e-6 * span or not np.ptp(torque):
@@ -153,12 +155,6 @@ def _element(prepared: Prepared, reach: float) -> Array:
         torque = np.ascontiguousarray(s.signals[:, GEAR])
         rows.append(s.balanced(elastic_plastic(torque, np.array([reach * np.ptp(torque)]))))
     return np.concatenate(rows)
-
-
-def _offsets(prepared: Prepared) -> Array:
-    """A column of ones per log."""
-    counts = [int(s.kept.sum()) for s in prepared.segments]
-    return np.repeat(np.eye(len(counts)), counts, axis=0)
 
 
 def _pruned(model: _Model) -> _Model:

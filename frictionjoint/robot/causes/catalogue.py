@@ -43,7 +43,9 @@ def catalogue(
     # no arm carries more than its own mass; where the logs determine only the payload's moment,
     # a larger mass near the axes would explain it too
     own_mass = float(phi[list(itertools.chain(*links.values())), 0].sum())
-    found += [Payload(b, body_label(model, b), own_mass) for b in _hands(links)]
+    # the first bodies of the outermost links carry one
+    hands = [bodies[0] for dofs, bodies in links.items() if not any(dofs < x for x in links)]
+    found += [Payload(b, body_label(model, b), own_mass) for b in hands]
     found += _bodies(model, joints, moving, ("mass", "mass and centre", "all ten"))
     if np.any(model.opt.gravity):
         found.append(BaseTilt())
@@ -103,11 +105,6 @@ def rigid_links(
         if dofs & driven:
             links.setdefault(dofs, []).append(b)
     return links
-
-
-def _hands(links: dict[frozenset[int], list[int]]) -> list[int]:
-    """First bodies of the outermost links."""
-    return [bodies[0] for dofs, bodies in links.items() if not any(dofs < other for other in links)]
 
 
 def _neighbours(model: mujoco.MjModel, joints: Sequence[str]) -> list[tuple[str, str]]:
