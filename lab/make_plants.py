@@ -2,15 +2,18 @@
 
     python lab/make_plants.py OUT --n 40 --seed 7
     python lab/make_plants.py OUT --n 6 --seed 7 --kinds none one:backlash two unknown:gust
+    python lab/make_plants.py OUT --n 8 --seed 7 --slow --kinds none
 
 Writes OUT/<number>/{fit1,fit2,fit3,held}.csv, model.xml (what the user believes about the joint)
 and answer.json. A plant depends on the seed and its number only. Without --kinds, of five plants
 one hides nothing, two one effect, one two, and one something outside the catalogue, on average.
+With --slow their top speeds are 1.5 to 5 Stribeck velocities; otherwise 8 to 100.
 """
 
 import argparse
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +24,7 @@ from judging import OURS
 from plants import catalogue
 from plants.draw import draw_trial
 from plants.plant import Trial, simulate, write
+from plants.spec import Motion, PlantSpec
 
 KINDS, ODDS = ("none", "one", "two", "unknown"), (0.2, 0.4, 0.2, 0.2)
 # cause and effect of one thing: either name is right
@@ -53,9 +57,22 @@ def answer(trial: Trial) -> dict[str, Any]:
     }
 
 
-def write_plant(folder: Path, seed: int, number: int, kind: str) -> Trial:
+def slow(spec: PlantSpec, rng: np.random.Generator) -> PlantSpec:
+    """The same joint in motions of 1.5 to 5 Stribeck velocities, with amplitudes in proportion."""
+
+    def slower(motion: Motion) -> Motion:
+        speed = min(motion.speed, rng.uniform(1.5, 5.0) * spec.friction.Vs)
+        amplitude = motion.amplitude * speed / motion.speed
+        return replace(motion, speed=speed, amplitude=amplitude)
+
+    return replace(spec, motions=tuple(map(slower, spec.motions)))
+
+
+def write_plant(folder: Path, seed: int, number: int, kind: str, slowly: bool = False) -> Trial:
     """Draw, simulate, write; answer.json comes last, so a folder that has one is whole."""
-    trial = simulate(draw_trial(np.random.default_rng([seed, number]), kind))
+    rng = np.random.default_rng([seed, number])
+    spec = draw_trial(rng, kind)
+    trial = simulate(slow(spec, rng) if slowly else spec)
     names = [*(f"fit{i}.csv" for i in range(1, len(trial.logs))), "held.csv"]
     write(trial, folder, names)
     (folder / "joint.xml").rename(folder / "model.xml")
@@ -72,12 +89,13 @@ def main() -> None:
     parser.add_argument("--n", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kinds", nargs="*", help="in turn; as lab/plants/draw.py names them")
+    parser.add_argument("--slow", action="store_true", help="low speeds")
     asked = parser.parse_args()
     rng = np.random.default_rng(asked.seed)
     drawn = [str(rng.choice(KINDS, p=ODDS)) for _ in range(asked.n)]
     for number in range(asked.n):
         kind = asked.kinds[number % len(asked.kinds)] if asked.kinds else drawn[number]
-        trial = write_plant(asked.out / f"{number:03d}", asked.seed, number, kind)
+        trial = write_plant(asked.out / f"{number:03d}", asked.seed, number, kind, asked.slow)
         hidden = " + ".join(effect.name for effect in trial.spec.effects)
         print(f"{number:03d}  {hidden or 'none'}", flush=True)
 
