@@ -142,11 +142,19 @@ class OtherLaws:
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 
-    def compared(self, prepared: Prepared, fitted: Fit) -> "Comparison":
-        """The effects of a model with each other law."""
+    def least(self, prepared: Prepared, effects: tuple[Term, ...]) -> float:
+        """Smallest weighted residual of another law with some effects, see `Fit.drive_rms`."""
+        return min(f.drive_rms for f in self._others(prepared, effects))
+
+    def _others(self, prepared: Prepared, effects: tuple[Term, ...]) -> list[Fit]:
+        """The other laws, fitted with some effects from their best known shapes."""
         shapes = [s for names, s in self.shapes.items() if names not in self._own]
         with side_by_side() as each:
-            fits = list(each(lambda s: refit(prepared, fitted.effects, s, ROUGH), shapes))
+            return list(each(lambda s: refit(prepared, effects, s, ROUGH), shapes))
+
+    def compared(self, prepared: Prepared, fitted: Fit) -> "Comparison":
+        """The effects of a model with each other law."""
+        fits = self._others(prepared, fitted.effects)
         left = {law_parameters(f).law: f.rms_in_motion for f in fits}
         alike = [f for f in fits if APART * f.drive_rms < fitted.drive_rms]
         return Comparison(
