@@ -1,8 +1,9 @@
 """Fit of the law alone: the result of `identify`, and the start and reference of `close-loop`."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
-from frictionjoint.decisions import CLEARLY
+from frictionjoint.decisions import APART, CLEARLY
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of, start_of
@@ -32,11 +33,26 @@ def base_fit(
     """
     forms = forms_of(law)
     prepared, found = law_alone(prepared, forms, progress)
+    if _is_slow(prepared, found):
+        prepared, found = law_alone(replace(prepared, slow=True), forms, progress)
     if forms is not INTEGRATED:
         return prepared, found
     place = ripened(prepared, (), CONSTRAINT)[0]
     other = refit(prepared, (), place.search.split(place.x)[0], ROUGH)
     return better_form(prepared, found, [other])
+
+
+def _is_slow(prepared: Prepared, found: Fit) -> bool:
+    """Whether a Stribeck velocity beyond its bound leaves less than half of the residual."""
+    shape = found.shape
+    if "log Vs" not in shape.variables:
+        return False
+    at = shape.variables.index("log Vs")
+    most = shape.bounds(prepared.bounding_speed, prepared.span)[1][at]
+    if shape.vector()[at] < most - 0.01:
+        return False
+    wide = refit(replace(prepared, slow=True), found.effects, shape)
+    return wide.drive_rms < APART * found.drive_rms
 
 
 def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[Prepared, Fit]:

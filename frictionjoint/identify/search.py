@@ -144,7 +144,7 @@ class Search:
         self.law = law
         self.layout = layout_of(prepared, law, terms)
         self.balance = Balance(prepared, law, terms)
-        self.vmax = prepared.top_speed
+        self.vmax = prepared.bounding_speed
         self.bounds = self._ranges(law, terms)
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared, self.layout)

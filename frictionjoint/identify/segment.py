@@ -180,6 +180,7 @@ class Prepared:
             friction acts without back-EMF, so that the two can be distinguished.
         nothing: names of time offsets that are assumed to be zero: see `starts.with_times`, or
             because an inertia error was found in these logs.
+        slow: whether the speeds hardly exceed the Stribeck velocity, see `base_fit`.
     """
 
     segments: tuple[Segment, ...]
@@ -189,6 +190,7 @@ class Prepared:
     band: Band
     let_go: bool = False
     nothing: frozenset[str] = frozenset()
+    slow: bool = False
 
     def __len__(self) -> int:
         return len(self.segments)
@@ -244,6 +246,15 @@ class Prepared:
         """Weights of the kept samples of all logs in order."""
         ones = (np.ones(len(s.drive)) if s.weight is None else s.weight for s in self.segments)
         return np.concatenate([s.at_kept(x) for s, x in zip(self.segments, ones, strict=True)])
+
+    @property
+    def bounding_speed(self) -> float:
+        """Speed that bounds the Stribeck velocity to 0.3 of it, rad/s (m/s).
+
+        In slow logs the bound is the top speed; in others so wide a curve imitates a delay, which
+        turns inertia into negative viscosity.
+        """
+        return self.top_speed / 0.3 if self.slow else self.top_speed
 
     @property
     def balanced_drive(self) -> Array:

@@ -110,7 +110,7 @@ STIFFER = (0.3, 1.0)
 def level_bounds(vmax: float) -> tuple[list[float], list[float]]:
     """Bounds of excess, log Vs and delta: the Stribeck curve common to the laws."""
     # Fs / Fc - 1 up to 15: a well oiled joint may stick at many times its sliding friction
-    return [0.0, float(np.log(1e-3 * vmax)), 0.4], [15.0, float(np.log(vmax)), 3.0]
+    return [0.0, float(np.log(1e-3 * vmax)), 0.4], [15.0, float(np.log(0.3 * vmax)), 3.0]
 
 
 def length_bounds(span: float) -> tuple[float, float]:

@@ -109,7 +109,7 @@ class Vector:
             for least, most in bounds or free:
                 low.append(least)
                 high.append(most)
-        least_law, most_law = self.fitted.shape.bounds(prepared.top_speed, prepared.span)
+        least_law, most_law = self.fitted.shape.bounds(prepared.bounding_speed, prepared.span)
         low += list(least_law)
         high += list(most_law)
         for term in self.fitted.terms:
