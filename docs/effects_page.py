@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects import signals as s
-from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import MEMORY, effect_torque
 from frictionjoint.report.wording import known_as
@@ -133,7 +133,7 @@ def main() -> None:
         "one, against position, velocity and time. They show the shape, not the size.\n",
     ]
     for name in dict.fromkeys(effect.name for effect in CATALOGUE):
-        lines.append(f"## {known_as(name)}\n")
+        lines.append(f"## {known_as(name, title(name))}\n")
         lines += described([effect for effect in CATALOGUE if effect.name == name], rows)
     with mkdocs_gen_files.open("effects.md", "w") as file:
         file.write("\n".join(lines))
