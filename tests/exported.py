@@ -23,6 +23,6 @@ def carrying(mjcf: str, law: fj.FrictionParameters, folder: Path) -> Path:
 
 def module_of(path: Path, target: Target, **options: Any) -> dict[str, Any]:
     """What the Python file that is exported of an MJCF defines."""
-    file = path.with_name(f"arm_{target.value}.py")
+    file = path.with_name(f"arm_{target}.py")
     file.write_text(export(path, target, file, **options).text)
     return runpy.run_path(str(file))
