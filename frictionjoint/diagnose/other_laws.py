@@ -104,12 +104,7 @@ class OtherLaws:
         """
         own = fitted.shape.variables
         self.shapes[own] = fitted.shape
-
-        def refitted(shape: Shape) -> Fit:
-            return refit(prepared, fitted.effects, shape, ROUGH)
-
-        with side_by_side() as each:
-            others = list(each(refitted, [s for s in self.shapes.values() if s.variables != own]))
+        others = self._refitted(prepared, fitted.effects, (own,))
         self.shapes |= {other.shape.variables: other.shape for other in others}
         self._friction = {f.shape.variables: f.friction for f in (fitted, *others)}
         forms = [f for f in others if f.shape.variables in self._own]
@@ -144,17 +139,23 @@ class OtherLaws:
 
     def least(self, prepared: Prepared, effects: tuple[Term, ...]) -> float:
         """Smallest weighted residual of another law with some effects, see `Fit.drive_rms`."""
-        return min(f.drive_rms for f in self._others(prepared, effects))
+        return min(f.drive_rms for f in self._refitted(prepared, effects, self._own))
 
-    def _others(self, prepared: Prepared, effects: tuple[Term, ...]) -> list[Fit]:
-        """The other laws, fitted with some effects from their best known shapes."""
-        shapes = [s for names, s in self.shapes.items() if names not in self._own]
+    def _refitted(
+        self, prepared: Prepared, effects: tuple[Term, ...], but: Sequence[tuple[str, ...]]
+    ) -> list[Fit]:
+        """The laws fitted with some effects from their best known shapes.
+
+        Args:
+            but: names of the numbers of the laws to leave out.
+        """
+        shapes = [s for names, s in self.shapes.items() if names not in but]
         with side_by_side() as each:
             return list(each(lambda s: refit(prepared, effects, s, ROUGH), shapes))
 
     def compared(self, prepared: Prepared, fitted: Fit) -> "Comparison":
         """The effects of a model with each other law."""
-        fits = self._others(prepared, fitted.effects)
+        fits = self._refitted(prepared, fitted.effects, self._own)
         left = {law_parameters(f).law: f.rms_in_motion for f in fits}
         alike = [f for f in fits if APART * f.drive_rms < fitted.drive_rms]
         return Comparison(
