@@ -60,8 +60,8 @@ from frictionjoint.translate.build import all_kernels
 KEPT = 25
 EXAMPLES = 12
 SAMPLES = 60
-# they take addresses of MuJoCo's structures: tests/test_state.py steps them beside the Python ones
-ADDRESSED = {"frictionjoint.simulate.native.native", "frictionjoint.simulate.native.both"}
+# whose kernels take addresses of MuJoCo's structures: tests/test_state.py steps them beside Python
+ADDRESSED = "frictionjoint.simulate.native."
 
 
 class Recorder:
@@ -333,7 +333,7 @@ def main() -> int:
     sys.setprofile(None)
     wrong = 0
     for name, kernel in all_kernels().items():
-        if name in ADDRESSED:
+        if name.startswith(ADDRESSED):
             continue
         try:
             assert recorder.calls[name], "never called here"
