@@ -4,11 +4,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from frictionjoint.diagnose.possible import LEAST_ACTING, impossible
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import needed
 from frictionjoint.effects.drive_limit import EFFECT as LIMITED
+from frictionjoint.effects.frictional_lag import EFFECT as LAG
 from frictionjoint.effects.nonlinear_viscous import EFFECT
 from frictionjoint.effects.warm_up_drift import EFFECT as WARM_UP
 from frictionjoint.identify.blocks import make_blocks
@@ -67,3 +69,17 @@ def test_a_drive_of_which_nothing_acts_has_moved_nothing():
     terms = (DriveTerm(LIMITED, (1e-9,)), EffectTerm(EFFECT, (2.0,)))
     nothing = SimpleNamespace(acting=0.1 * LEAST_ACTING, terms=terms)
     assert impossible(nothing, None) == {LIMITED.name}
+
+
+@pytest.mark.parametrize(("size", "tau"), [(0.4, 0.05), (20.0, 0.005)], ids=["a part", "beyond"])
+def test_no_part_of_friction_is_larger_than_all_friction(size, tau, tmp_path):
+    """In slow motion a lag is the size times the time constant: little acts of a large one."""
+    h, rng = T[1] - T[0], np.random.default_rng(9)
+    slow = np.exp(-((V / (0.2 * np.abs(V).max())) ** 2))
+    late = lfilter([h / tau], [1.0, h / tau - 1.0], slow, zi=[slow[0] * (1.0 - h / tau)])[0]
+    level = 1.0 + 0.5 * slow + size * (late - slow)
+    torque = INERTIA * A + level * np.sign(V) * np.minimum(np.abs(V) / 0.02, 1.0)
+    prepared = logged(tmp_path, torque + rng.normal(0.0, 0.02, len(T)))
+    term = EffectTerm(LAG, (tau, 0.2 * np.abs(V).max(), 1e-6))
+    found = refit(prepared, (term,), fit(prepared).shape)
+    assert (LAG.name in impossible(found, make_blocks(prepared, found))) == (size > 1.5)
