@@ -35,8 +35,8 @@ def test_of_several_effects_the_one_with_no_size_is_told(prepared):
 
 
 def test_an_effect_that_is_there_is_determined(prepared):
-    assert undetermined(prepared, fit(prepared, (SPRING,))) == []
-    assert undetermined(prepared, fit(prepared)) == []
+    assert not undetermined(prepared, fit(prepared, (SPRING,)))
+    assert not undetermined(prepared, fit(prepared))
 
 
 @pytest.mark.parametrize(

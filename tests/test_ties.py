@@ -7,9 +7,12 @@ import pytest
 
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.choice import Tried, chosen
+from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.moves import Move
 from frictionjoint.diagnose.score import Scored
+from frictionjoint.diagnose.state import State
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.position_periodic import EFFECT as POSITION_PERIODIC
 from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.terms import EffectTerm
@@ -70,3 +73,15 @@ def test_a_wave_of_the_encoder_takes_the_place_of_an_effect_that_explains_less()
     close = tried("gravity-error", 0.01)
     less = of_term(EncoderTerm("position", 1.0, 0.1, (1.0, 0.0), 0.1), 0.002)
     assert chosen(Scored(FIT, WITHOUT), [less, close]).taken is close
+
+
+def test_a_wave_keeps_its_own_finding_where_another_wave_is_dropped():
+    waves = [EffectTerm(POSITION_PERIODIC, (N,)) for N in (7.0, 12.0)]
+    findings = [
+        Finding(w, None, None, gain, (), (), None)
+        for w, gain in zip(waves, (0.9, 0.4), strict=True)
+    ]
+    left = waves[1].with_shape((12.1,))
+    state = State(None, SimpleNamespace(effects=(left,)), findings, None, None)
+    state.forget_dropped()
+    assert [f.gain for f in state.findings] == [0.4]

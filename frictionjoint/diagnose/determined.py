@@ -11,13 +11,14 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
 
-def undetermined(prepared: Prepared, fitted: Fit) -> list[Term]:
-    """Effects whose sizes are within two standard errors of zero."""
+def undetermined(prepared: Prepared, fitted: Fit) -> dict[Term, float]:
+    """Effects whose sizes are within two standard errors of zero, and the distance of each."""
     asked = [i for i, t in enumerate(fitted.effects) if not (is_unnamed(t) or t.effect.first)]
     if not asked:
-        return []
+        return {}
     cov = stated_covariance(prepared, fitted)
-    return [fitted.effects[i] for i in asked if standard_errors(fitted, cov, i) < SURELY]
+    distances = {fitted.effects[i]: standard_errors(fitted, cov, i) for i in asked}
+    return {term: x for term, x in distances.items() if x < SURELY}
 
 
 def standard_errors(fitted: Fit, cov: Array, i: int) -> float:

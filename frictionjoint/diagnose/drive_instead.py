@@ -5,14 +5,12 @@ only after another effect is in the model, when an effect of the joint may alrea
 place: a delayed target looks like a delayed encoder until the spring is known.
 """
 
-from functools import partial
-
 import numpy as np
 
 from frictionjoint.decisions import APART
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.drive import look_at_drive
-from frictionjoint.diagnose.finding import Finding, with_changed
+from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.score import scored
@@ -54,14 +52,11 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         ties = (replaced.name,) if as_much(now, instead) else ()
         row = found.look.find(term)
         finding = Finding(term, found.look, row, score.gain(found.now), ties, (), other)
-        state.findings = with_changed(state.findings, own, replaced, partial(_as, finding))
+        before = finding_of(state.findings, replaced)
+        state.findings = [finding if f is before else f for f in state.findings]
         state.prepared, state.fit = prepared, other
         return True
     return False
-
-
-def _as(finding: Finding, _: Finding) -> Finding:
-    return finding
 
 
 def joint_effects_to_replace(state: State) -> list[Term]:

@@ -2,11 +2,12 @@
 
 from functools import partial
 
-from frictionjoint.diagnose.candidate import is_unnamed, named_of
+from frictionjoint.diagnose.candidate import is_unnamed
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, is_small, needed, with_fewer
+from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.rounding import best_of
-from frictionjoint.identify.terms import all_but
+from frictionjoint.identify.terms import Term, all_but
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
 
@@ -14,15 +15,17 @@ from frictionjoint.threads import side_by_side
 def drop_idle(state: State) -> None:
     """Remove, one after the other, effects whose removal does not worsen held-out prediction.
 
-    Unnamed dependences adapt to the data and are no causes, so each effect is judged among named
-    effects alone. Small losses do not accumulate: if either of two effects can be removed but not
-    both, one stays.
+    Curves adapt to the data and are no causes, so each effect is judged among causes alone; an
+    eccentric encoder is one, with no more numbers than other waves. Small losses do not accumulate:
+    if either of two effects can be removed but not both, one stays. Findings of what is no longer
+    in the model are forgotten.
     """
-    first = named_of(state.fit.effects)
+    state.forget_dropped()
+    first = tuple(filter(_is_cause, state.fit.effects))
     while state.fit.effects:
         own = state.fit.effects
-        causes = named_of(own)
-        beside = [own if is_unnamed(t) else causes for t in own]
+        causes = tuple(filter(_is_cause, own))
+        beside = [causes if _is_cause(t) else own for t in own]
         fewer = [all_but(terms, t) for terms, t in zip(beside, own, strict=True)]
         models = [terms for terms in dict.fromkeys([first, *beside, *fewer]) if terms != own]
         refitted = partial(with_fewer, state)
@@ -31,7 +34,7 @@ def drop_idle(state: State) -> None:
         ways = [{m: scored(f, blocks) for m, f in fits.items()} for blocks in state.either_way]
         idle = []
         for t, terms, rest in zip(own, beside, fewer, strict=True):
-            whole = {terms} if is_unnamed(t) else {terms, first}
+            whole = {terms, first} if _is_cause(t) else {terms}
             pairs = [(way[x], way[rest]) for x in whole for way in ways]
             if not any(needed(*p, t.effect.first) and not is_small(t, *p) for p in pairs):
                 idle.append((max(way[terms].gain(way[rest]) for way in ways), t))
@@ -41,3 +44,8 @@ def drop_idle(state: State) -> None:
         rest = all_but(own, best_of(idle[::-1], lambda x: max(x[0], 0.0))[1])
         found = fits.get(rest) or refitted(rest)
         state.prepared, state.fit = reweighed(state.prepared, found)
+        state.forget_dropped()
+
+
+def _is_cause(term: Term) -> bool:
+    return isinstance(term, EncoderTerm) or not is_unnamed(term)

@@ -212,7 +212,7 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
 
 def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> None:
     """Replace the finding of an effect of the model."""
-    state.findings = with_changed(state.findings, state.fit.effects, term, change)
+    state.findings = with_changed(state.findings, term, change)
 
 
 def _take(state: State, term: Term, change: Callable[[Finding], Finding], other: Fit) -> None:

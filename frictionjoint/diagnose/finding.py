@@ -65,20 +65,23 @@ class Finding:
         return replace(self, ties=(*self.ties, term.name), rivals=(*rivals, term))
 
 
-def with_changed(
-    findings: Sequence[Finding],
-    effects: Sequence[Term],
-    term: Term,
-    change: Callable[[Finding], Finding],
-) -> list[Finding]:
-    """Findings of a model's effects, with the finding of one term replaced.
+def finding_of(findings: Sequence[Finding], term: Term) -> Finding:
+    """The finding of an effect of a model.
 
-    The waves of a periodic effect share a name and were added one by one.
+    Several waves share a name and were added one by one; each has the one of the nearest wave.
     """
-    alike = [t for t in effects if t.name == term.name]
-    places = [k for k, f in enumerate(findings) if f.term.name == term.name]
-    at = places[min(alike.index(term), len(places) - 1)]
-    return [change(f) if k == at else f for k, f in enumerate(findings)]
+    alike = [f for f in findings if f.term.name == term.name]
+    if not term.effect.is_wave:
+        return alike[-1]
+    return min(alike, key=lambda f: abs(f.term.shape[0] - term.shape[0]))
+
+
+def with_changed(
+    findings: Sequence[Finding], term: Term, change: Callable[[Finding], Finding]
+) -> list[Finding]:
+    """Findings with that of one effect replaced."""
+    own = finding_of(findings, term)
+    return [change(f) if f is own else f for f in findings]
 
 
 @dataclass(frozen=True)

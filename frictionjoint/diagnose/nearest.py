@@ -40,6 +40,7 @@ def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
         if best is None:
             return
         state.prepared, state.fit = reweighed(state.prepared, best)
+        state.forget_dropped()
 
 
 def nearer(errors: Array, now: Array) -> bool:

@@ -24,7 +24,7 @@ import numpy as np
 from frictionjoint.decisions import MOSTLY, SIGNIFICANCE, TIE
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.look_without import look_without
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked
 from frictionjoint.diagnose.score import scored
@@ -54,7 +54,8 @@ def _leave_out_undetermined(state: State) -> list[Term]:
 
     One without which held-out prediction gets worse stays in the model, and the report says that
     its size is open: several such effects carry the evidence together, or the law could replace it
-    only where its own numbers end.
+    only where its own numbers end. But with an error above its size it may be anything, such as the
+    law's own error in another form, and predicts in other motion what these logs do not show.
 
     Returns:
         those that stay.
@@ -63,16 +64,17 @@ def _leave_out_undetermined(state: State) -> list[Term]:
     while unsure := undetermined(state.prepared, state.fit):
         blocks = state.blocks
         now = scored(state.fit, blocks)
-        fits = [without(state, term) for term in unsure]
-        idle = [f for f in fits if not needed(now, scored(f, blocks))]
-        if not idle:
+        fits = {term: without(state, term) for term in unsure}
+        idle = [f for f in fits.values() if not needed(now, scored(f, blocks))]
+        least = min(unsure, key=lambda term: unsure[term])
+        if not idle and unsure[least] >= 1.0:
             break
-        state.prepared, state.fit = reweighed(state.prepared, best_of(idle, lambda f: f.drive_rms))
+        fewer = best_of(idle, lambda f: f.drive_rms) if idle else fits[least]
+        state.prepared, state.fit = reweighed(state.prepared, fewer)
         changed = True
     if changed:
         drop_idle(state)
-        state.forget_dropped()
-    return unsure
+    return list(unsure)
 
 
 def _tied(finding: Finding, unsure: list[Term]) -> Finding:
@@ -86,20 +88,16 @@ def _tied(finding: Finding, unsure: list[Term]) -> Finding:
 def _leave_out(state: State, term: Term) -> None:
     state.prepared, state.fit = reweighed(state.prepared, without(state, term))
     drop_idle(state)
-    state.forget_dropped()
 
 
 def _of_terms(state: State) -> list[Finding]:
-    """The finding of each effect; harmonics of a periodic effect were found one by one."""
-    found: list[Finding] = []
+    """The finding of each effect."""
     names = {term.name for term in state.fit.effects}
-    for term in state.fit.effects:
-        own = [f for f in state.findings if f.term.name == term.name]
-        before = sum(f.term.name == term.name for f in found)
-        as_came = own[min(before, len(own) - 1)]
-        ties = tuple(name for name in as_came.ties if name not in names)
-        found.append(replace(as_came, term=term, ties=ties))
-    return found
+    found = [(term, finding_of(state.findings, term)) for term in state.fit.effects]
+    return [
+        replace(f, term=term, ties=tuple(name for name in f.ties if name not in names))
+        for term, f in found
+    ]
 
 
 def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Finding:

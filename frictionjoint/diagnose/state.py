@@ -5,7 +5,7 @@ from functools import cached_property
 
 from frictionjoint.decisions import APART, DISCREPANCY, DRIVE_DISCREPANCY, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.finding import Finding
+from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.moves import Kind, Look
 from frictionjoint.diagnose.other_laws import OtherLaws
@@ -108,8 +108,8 @@ class State:
 
     def forget_dropped(self) -> None:
         """Keep only the findings of effects that the model still contains."""
-        names = {t.name for t in self.fit.effects}
-        self.findings = [f for f in self.findings if f.term.name in names]
+        kept = [finding_of(self.findings, t) for t in self.fit.effects]
+        self.findings = [f for f in self.findings if any(f is k for k in kept)]
 
 
 def compared(
