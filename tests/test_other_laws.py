@@ -3,17 +3,20 @@
 from dataclasses import replace
 
 import pytest
-from plants.spec import Friction, Motion
+from plants.spec import Effect, Friction, Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.trace import INTEGRATED_LAW
+from frictionjoint.effects.dwell_time import EFFECT as DWELL_TIME
+from frictionjoint.effects.spring import EFFECT as SPRING
 from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import EffectTerm
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +35,7 @@ def test_a_law_that_is_asked_for_is_kept_and_the_others_are_compared(prepared, l
     assert law_parameters(chosen).law == law
     compared = dict(laws.compared(prepared, base).errors)
     assert law not in compared
-    assert {"lugre", "maxwell_slip"} <= set(compared)
+    assert {"lugre", "elastoplastic", "maxwell_slip"} <= set(compared)
     lugre = refit(prepared, (), laws.shapes[forms_of("lugre")[0].variables], ROUGH)
     assert compared["lugre"] == pytest.approx(lugre.rms_in_motion)
 
@@ -55,3 +58,24 @@ def test_a_breakaway_friction_that_hangs_on_the_law_is_not_certain(tmp_path):
     assert wide["Fc_pos"].stderr < 0.05 * friction.Fc
     # no law shares the stiffness, and so none changes its error
     assert wide["stiffness"].stderr == pytest.approx(narrow["stiffness"].stderr, rel=1e-3)
+
+
+def test_an_effect_that_another_law_does_without_is_told(prepared):
+    """LuGre friction without a spring, fitted by a static law with either."""
+    base = fit(prepared, forms=forms_of("static"))
+    laws = OtherLaws(prepared, base)
+    laws.follow(prepared, base)
+    dwell = EffectTerm(DWELL_TIME, (0.2, 1e-3, 1e-4))
+    with_dwell = refit(prepared, (dwell,), base.shape)
+    assert with_dwell.drive_rms < base.drive_rms
+    assert laws.do_without(prepared, base, with_dwell)
+
+
+def test_an_effect_that_every_law_needs_stays(tmp_path):
+    motions = (Motion("sines", 1, 0.8, 0.8, 8.0),)
+    spring = Effect("spring", {"stiffness": 2.0, "rest": 0.0})
+    logs = prepared_logs(replace(PENDULUM, motions=motions, effects=(spring,)), tmp_path)
+    base = fit(logs, forms=forms_of("static"))
+    laws = OtherLaws(logs, base)
+    laws.follow(logs, base)
+    assert not laws.do_without(logs, base, refit(logs, (EffectTerm(SPRING),), base.shape))

@@ -13,13 +13,14 @@ import numpy as np
 from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import APART, CLEARLY
+from frictionjoint.decisions import APART, CLEARLY, SMALLEST_GAIN
 from frictionjoint.identify.base_fit import CONSTRAINT, better_form
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rival_shape import forms_of, prompt_maxwell_slip
+from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, OF_NEGATIVE, Shape
@@ -32,6 +33,7 @@ from frictionjoint.threads import side_by_side
 _RIVALS = (
     prompt_maxwell_slip(),
     forms_of("lugre"),
+    forms_of("elastoplastic"),
     forms_of("dahl_stribeck"),
     forms_of("static"),
     CONSTRAINT,
@@ -64,7 +66,7 @@ class OtherLaws:
         self._own = integrated if own in integrated else (own,)
         self.shapes: dict[tuple[str, ...], Shape] = {own: base.shape}
         self._rivals = [forms for forms in (*_RIVALS, INTEGRATED) if self._is_rival(forms, own)]
-        self._friction: dict[tuple[str, ...], Array] = {}
+        self._fits: list[Fit] = []
         self._progress = progress
         self.ripen(prepared, base.effects)
         self._alone = dict(self.shapes)
@@ -102,13 +104,16 @@ class OtherLaws:
         Returns:
             the model with another form of its law if that is clearly better, see `CONSTRAINT`.
         """
+        self._fit_all(prepared, fitted)
+        forms = [f for f in self._fits[1:] if f.shape.variables in self._own]
+        return better_form(prepared, fitted, forms)
+
+    def _fit_all(self, prepared: Prepared, fitted: Fit) -> None:
         own = fitted.shape.variables
         self.shapes[own] = fitted.shape
         others = self._refitted(prepared, fitted.effects, (own,))
         self.shapes |= {other.shape.variables: other.shape for other in others}
-        self._friction = {f.shape.variables: f.friction for f in (fitted, *others)}
-        forms = [f for f in others if f.shape.variables in self._own]
-        return better_form(prepared, fitted, forms)
+        self._fits = [fitted, *others]
 
     def errors(self, fitted: Fit) -> Array:
         """The main direction of possible errors of a fitted law, N m, shape (n, 1).
@@ -119,7 +124,7 @@ class OtherLaws:
         """
         w = fitted.weight
         names = fitted.shape.variables
-        others = [x - fitted.friction for law, x in self._friction.items() if law != names]
+        others = [f.friction - fitted.friction for f in self._fits if f.shape.variables != names]
         known = fitted.free_jacobian * w[:, None]
         known /= lengths(known)
         towards = np.array(others).T
@@ -137,9 +142,21 @@ class OtherLaws:
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 
-    def least(self, prepared: Prepared, effects: tuple[Term, ...]) -> float:
-        """Smallest weighted residual of another law with some effects, see `Fit.drive_rms`."""
-        return min(f.drive_rms for f in self._refitted(prepared, effects, self._own))
+    def do_without(self, prepared: Prepared, before: Fit, after: Fit) -> bool:
+        """Whether another law leaves no more than a changed model, and does not need the change.
+
+        Args:
+            prepared: logs with the weights of the model before, which favour neither.
+            before, after: the model without and with the change.
+        """
+        if before is not self._fits[0]:
+            self._fit_all(prepared, before)
+        others = [f for f in self._fits if f.shape.variables not in self._own]
+        best = best_of(others, lambda f: f.drive_rms)
+        if best.drive_rms > refit(prepared, after.terms, after.shape, ROUGH).drive_rms:
+            return False
+        changed = refit(prepared, after.effects, best.shape, ROUGH)
+        return changed.drive_rms**2 > (1.0 - SMALLEST_GAIN) * best.drive_rms**2
 
     def _refitted(
         self, prepared: Prepared, effects: tuple[Term, ...], but: Sequence[tuple[str, ...]]

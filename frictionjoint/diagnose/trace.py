@@ -49,7 +49,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import Term
-from frictionjoint.identify.weights import reweighed
+from frictionjoint.identify.weights import errors_of, reweighed, weighted
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
 
@@ -104,27 +104,16 @@ def trace(
         if not changed:
             # what another law would explain in part may be an effect after all
             state.law_errs = False
-            changed = _beyond_other_laws(state, rng)
+            first = [] if state.fit.effects else _first(state)
+            changed = (
+                _taken(state, first, rng)
+                or _taken(state, state.candidates, rng)
+                or _of_drive(state, rng, look_at_hidden_drive)
+            )
         if not changed or (_names(state) != before and _names(state) in known):
             break  # effects that come back would do so without end
         known.add(_names(state))
     return finish_search(state, (prepared, alone), replayed, by_motion, rng)
-
-
-def _beyond_other_laws(state: State, rng: np.random.Generator) -> list[str]:
-    """One change that leaves less than every other law does without it; result as in `_step`."""
-    held = replace(state, findings=list(state.findings))
-    first = [] if state.fit.effects else _first(state)
-    taken = (
-        _taken(state, first, rng)
-        or _taken(state, state.candidates, rng)
-        or _of_drive(state, rng, look_at_hidden_drive)
-    )
-    if taken and state.laws.least(state.prepared, held.fit.effects) <= state.fit.drive_rms:
-        state.prepared, state.fit, state.look = held.prepared, held.fit, held.look
-        state.findings = held.findings
-        return []
-    return taken
 
 
 def _names(state: State) -> tuple[str, ...]:
@@ -201,6 +190,8 @@ def _of_drive(
     after = state.blocks_of(prepared, driven)
     if is_small(term, scored(driven, after), scored(state.under(prepared), after)):
         return []
+    if state.laws.do_without(state.prepared, state.fit, driven):
+        return []
     near = [
         other.name
         for other, its in found.tried[1:]
@@ -210,7 +201,6 @@ def _of_drive(
     state.prepared, state.fit = prepared, driven
     state.findings.append(Finding(term, found.look, row, gain, tuple(near), (), state.fit))
     drop_idle(state)
-    state.forget_dropped()
     return [f.term.name for f in state.findings if f.term is term]
 
 
@@ -245,15 +235,14 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     while choice:
         changed = _changed(state, choice, tried, now)
         names = _more(changed.fit, state.fit, choice.taken.move)
-        if names:
+        if names and not state.laws.do_without(state.prepared, state.fit, changed.fit):
             state.prepared, state.fit = changed.prepared, changed.fit
             state.findings = changed.findings
             if best_forms(state):
                 drop_idle(state)
             weigh_others(state)
-            state.forget_dropped()
             return names
-        # nothing of it was needed once it was in: the next best
+        # nothing of it was needed once it was in, or with another law: the next best
         refused.add(choice.taken.move.kind)
         tried = [t for t in tried if t is not choice.taken]
         choice = chosen(now, tried)
@@ -316,12 +305,12 @@ def _more(after: Fit, before: Fit, move: Move) -> list[str]:
 def _looked_at_again(
     state: State, now: Scored, tried: Sequence[Tried], best: Tried, rng: np.random.Generator
 ) -> tuple[Scored, list[Tried]]:
-    """The leading changes, screened again with the weights of the best one and with an unbiased
-    law.
+    """The leading changes, screened again with common weights and with an unbiased law.
 
     The missing effect may have biased the law, and with it the weights and the initial friction
-    states. Then the residual depends on which change was tried first. An unnamed dependence that
-    the best one contains may be an effect that only an unbiased law shows.
+    states. Then the residual depends on which change was tried first; the weights of one change
+    would favour it. An unnamed dependence that the best one contains may be an effect that only an
+    unbiased law shows.
     """
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [best, *(t for t in tried if t is not best and t.score.gain(now) >= least)]
@@ -330,14 +319,15 @@ def _looked_at_again(
     first = best_of([first, anew], lambda f: f.drive_rms)
     prepared, first = settled(*reweighed(prepared, first, ROUGH))
     blocks = state.blocks_of(prepared, first)
+    common = _in_common([prepared, *(_own_weights(t) for t in leaders[1:])])
 
     def begun(terms: tuple[Term, ...], anew: bool) -> tuple[Prepared, Scored]:
-        found = compared(prepared, terms, nearer(prepared, terms, (first.shape, state.fit.shape)))
+        found = compared(common, terms, nearer(common, terms, (first.shape, state.fit.shape)))
         if anew:
-            freed = unbent(prepared, terms, [forms_like(first.shape)])
+            freed = unbent(common, terms, [forms_like(first.shape)])
             found = best_of([found, freed], lambda f: f.drive_rms)
         swung = any(term.effect.free for term in terms)
-        own, found = settled(prepared, found) if swung else (prepared, found)
+        own, found = settled(common, found) if swung else (common, found)
         return own, scored(found, blocks)
 
     unbiased = replace(state, prepared=prepared, fit=first)
@@ -354,6 +344,18 @@ def _looked_at_again(
     return before, [*again[:count], *unlike_a_curve(again[count:], again[0])]
 
 
+def _own_weights(tried: Tried) -> Prepared:
+    fitted = tried.score.fit
+    return weighted(tried.prepared, fitted, errors_of(tried.prepared, fitted))
+
+
+def _in_common(models: Sequence[Prepared]) -> Prepared:
+    """Logs of the first of some models, with weights of the mean of their error variances."""
+    logs = zip(*(p.segments for p in models), strict=True)
+    variances = (np.mean([np.power(s.weight, -2.0) for s in same], axis=0) for same in logs)
+    return models[0].weighed([1.0 / np.sqrt(x) for x in variances])
+
+
 def _follow(state: State) -> bool:
     """Fit all laws with the effects found; use another form of the law if that is better.
 
@@ -367,5 +369,4 @@ def _follow(state: State) -> bool:
         return False
     state.prepared, state.fit = prepared, found
     drop_idle(state)
-    state.forget_dropped()
     return True

@@ -12,11 +12,13 @@ from arms.arm import (
     hide_supply,
     random_arm,
 )
+from make_plants import write_plant
 from plants.spec import Effect
 from round_trip_drive import DRIVES, drive_trip
 from round_trip_joint import joint_trip
 from servo_plant import KNOWN, KT, PLANT, servo, sines, steps, swept
 from trial_logs import PENDULUM
+from trials import joint_of
 
 from frictionjoint import close_loop
 from frictionjoint.diagnose.close_loop import explain
@@ -26,6 +28,7 @@ from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.measured.readers import read_log
 from frictionjoint.replay.free_runs import motor_of, simulated_whole
 from tests import test_joint_limits as at_limit
 from tests import test_motor_temperature as warm
@@ -208,9 +211,15 @@ def test_a_motor_that_gives_less_as_it_warms_is_named_with_its_size():
     assert simulated_whole(found.final, body.armature, in_closed_loop=True)
 
 
-@pytest.mark.xfail(
-    reason="a gravity error is named with the integrated law as the only law: a known regression"
-)
+@pytest.mark.parametrize(("seed", "number"), [(40417, 1), (91417, 2), (91417, 3)])
+def test_nothing_is_added_to_a_plain_joint_in_slow_motion(seed, number, tmp_path):
+    """Its friction is elasto-plastic, of Maxwell slip and of LuGre: the integrated law errs."""
+    write_plant(tmp_path, seed, number, "none", slowly=True)
+    model = tmp_path / "model.xml"
+    logs = [read_log(tmp_path / f"fit{k}.csv", joint_of(model)) for k in (1, 2, 3)]
+    assert not trace(prepare(logs, RigidBody(model, joint_of(model)))).findings
+
+
 def test_an_eccentric_encoder_is_told_by_the_position(tmp_path):
     wave = Effect("encoder-eccentricity", {"amplitude": 0.03, "phase": 0.5})
     named_by_its_quantity(tmp_path, wave, "position", "off by up to 0.03 rad")
