@@ -64,7 +64,8 @@ def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel
         )
     text = _is_text(model)
     if not text and not Path(model).is_file():
-        raise ModelError(f"{model}: no such file, give the path of an MJCF or a URDF")
+        what = "a folder" if Path(model).is_dir() else "no such file"
+        raise ModelError(f"{model}: {what}, give the path of an MJCF or a URDF")
     needed: tuple[str, ...] = ()
     urdf_given = not text and is_urdf(Path(model))
     try:

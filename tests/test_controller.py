@@ -90,7 +90,7 @@ def test_a_file_says_what_differs_by_joint(tmp_path):
         (PER_JOINT + "gain = 1.0", r"\[joint.elbow\]: unknown 'gain', it has"),
         (PER_JOINT.replace("120.0", "-1.0"), r"\[joint.elbow\]: kp is -1.0: give 0 or more"),
         (PER_JOINT.split("[joint")[0] + "joint = 1", r"joint is 1: give tables \[joint.NAME"),
-        (PER_JOINT.replace("kp = 80.0", ""), "no kp: a controller needs output and kp"),
+        (PER_JOINT.replace("kp = 80.0", ""), "no kp: give output"),
         ({"elbow": PRESETS["mit"]}, "controller: none for joint 'shoulder', there is elbow"),
     ],
 )

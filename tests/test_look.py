@@ -24,9 +24,7 @@ ARM = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0" frictionloss=
 def test_a_log_is_drawn_and_described(tmp_path):
     done = run("plot", LOG, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert re.search(
-        r"ramps, joint joint: 2998 samples, 12 s, 250 Hz, position .* rad", done.stdout
-    )
+    assert re.search(r"ramps, joint: 2998 samples, 12 s, 250 Hz, position .* rad", done.stdout)
     page = (tmp_path / "ramps.html").read_text()
     assert '"y_label":"torque, N m"' in page
     assert "<script src" not in page
@@ -52,6 +50,12 @@ def test_rows_without_a_number_are_left_out_when_asked(tmp_path):
     done = run("plot", "gaps.csv", "--drop-nan", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "2 of 2998 rows with an empty cell or NaN were left out" in done.stdout
+    # a torque may leap: it is not repaired, but mentioned
+    cells = rows[300].split(",")
+    rows[300] = ",".join([*cells[:2], "99", *cells[3:]])
+    (tmp_path / "gaps.csv").write_text("\n".join([head, *rows]))
+    done = run("plot", "gaps.csv", "--drop-nan", "--force", cwd=tmp_path)
+    assert "torque_nm: 1 outlier (first in sample 300: 99): if they are wrong" in done.stdout
     # a fault further down keeps its own line number
     rows[600] = ",".join([rows[599].split(",")[0], *rows[600].split(",")[1:]])
     (tmp_path / "gaps.csv").write_text("\n".join([head, *rows]))

@@ -225,7 +225,7 @@ def test_a_statement_on_logs_mostly_at_rest_is_on_the_moving_part():
 
 
 def test_an_implausible_noise_is_withheld_with_its_reason():
-    assert "above an error that remains" in summarise(REPORTS["noise far above the error"]).noise
+    assert "cannot be determined" in summarise(REPORTS["noise far above the error"]).noise
     assert "less than instruments resolve" in summarise(REPORTS["noise of a millionth"]).noise
     # within the error of the estimate the noise is at most what remains
     assert summarise(REPORTS["noise above the error"]).noise_level == 0.02

@@ -1,5 +1,8 @@
 """A lone joint that carries more than its MJCF says: simulated, logged, and told."""
 
+import re
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
@@ -58,6 +61,20 @@ def test_a_payload_beside_the_link_is_a_mass_and_its_inertia():
     assert mass == {"gravity-error"}
     # beside a mass that is not known a gain of the torque says what an inertia does
     assert inertia == {"inertia-error", "torque-gain"}
+
+
+def test_an_encoder_zero_that_is_off_is_said_and_so_is_a_knock():
+    logs = [driven(joint(), seed) for seed in (1, 2, 3)]
+    logs = [replace(log, position=log.position + 0.5) for log in logs]
+    knock = 0.3 * (np.abs(logs[1].time - 5.25) < 0.1)
+    logs[1] = replace(logs[1], torque=logs[1].torque + knock)
+    report = close_loop(logs[:2], BELIEVED, "j", logs[2:])
+    (step,) = report.added
+    assert step.effect == "gravity-error"
+    assert "joint-offset" in step.evidence.ties
+    notes = "\n".join(report.notes)
+    assert "encoder that reads 0.5 rad too much" in notes
+    assert re.search(r"log2: \d+% of the squared error lies in 0.5 s, at 5.[123]", notes)
 
 
 def test_a_wrong_motor_constant_is_no_mass():

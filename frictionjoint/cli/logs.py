@@ -175,17 +175,17 @@ def the_joint(asked: str | None, model: list[str]) -> str:
 
 @dataclass(frozen=True)
 class LogOptions:
-    """Options of every command that reads logs, as given; see `reads_logs`."""
+    """Options of every command that reads logs, as given, in the order of the help."""
 
-    column: list[str] | None = None
-    wrap: float | None = None
-    unit: list[str] | None = None
-    join: bool = False
-    drop_nan: bool = False
-    gain: float | None = None
-    signal: list[str] | None = None
-    fixed: list[str] | None = None
-    controller: str | None = None
+    gain: Gain = None
+    column: Columns = None
+    signal: Signals = None
+    wrap: Wrap = None
+    unit: Units = None
+    join: Join = False
+    drop_nan: DropNan = False
+    fixed: Fixed = None
+    controller: ControllerFile = None
 
     @property
     def poses(self) -> dict[str, float | list[float]]:
@@ -233,17 +233,7 @@ class LogOptions:
 
 
 NO_OPTIONS = LogOptions()
-_TYPES = {
-    "gain": Gain,
-    "column": Columns,
-    "signal": Signals,
-    "wrap": Wrap,
-    "unit": Units,
-    "join": Join,
-    "drop_nan": DropNan,
-    "fixed": Fixed,
-    "controller": ControllerFile,
-}
+_TYPES = inspect.get_annotations(LogOptions)
 _OPTIONAL = ("gain", "signal", "fixed", "controller")
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import mujoco
 
-from frictionjoint.control.controller import Controller
+from frictionjoint.control.controller import Controller, Output
 from frictionjoint.control.mjcf_servos import IN_MJCF, controller_in
 from frictionjoint.control.presets import PRESETS
 from frictionjoint.errors import ParameterError
@@ -87,7 +87,9 @@ def _made(where: str, content: Mapping[str, Any]) -> Controller:
         raise ParameterError(f"{where}: unknown {unknown[0]!r}, it has {', '.join(known)}")
     missing = [key for key in ("output", "kp") if key not in content]
     if missing:
-        raise ParameterError(f"{where}: no {missing[0]}: a controller needs output and kp")
+        raise ParameterError(
+            f"{where}: no {missing[0]}: give output (one of {', '.join(get_args(Output))}) and kp"
+        )
     try:
         return Controller(**content)
     except ParameterError as error:

@@ -65,10 +65,8 @@ def _value(value: Value | None, name: str, log: JointLog, unknown: float) -> flo
     if key not in log.metadata:
         if name == "supply_v" and log.supply is not None:
             return float(np.median(log.supply))
-        listed = ", ".join(log.metadata) or "none"
         raise LogError(
-            f"{log.name}: the controller's {name} is {value!r} and the log has no figure {key!r} "
-            f"(it has {listed}): give it a column {key!r} with one number, or the "
-            "controller's file a number"
+            f"{log.name}: the controller takes {name} from the log, which has no {key!r}: add a "
+            f"column {key!r} with one number, or give a controller file with {name} as a number"
         )
     return float(log.metadata[key])

@@ -5,14 +5,15 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.decisions import SURELY
+from frictionjoint.diagnose.encoder_zero import offset_instead
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.sight import Smallest
-from frictionjoint.effects.signals import Q
+from frictionjoint.effects.signals import TIME, Q
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import SURE
 from frictionjoint.identify.notes import assumed_note, inertia_note
-from frictionjoint.identify.result import law_parameters, scale_note, units_of
+from frictionjoint.identify.result import law_parameters, scale_note, term_estimates, units_of
 from frictionjoint.identify.timing import Timing
 
 REFINED = (
@@ -24,6 +25,8 @@ DIVERGES = (
     "motion by more than all its travel, so no position error is stated. Check masses, gravity and "
     "signs of the MJCF, and the units of the logs."
 )
+# s, of the window in which an event is looked for
+EVENT_S = 0.5
 HELD = "The torque is held from one sample to the next. The fit accounts for it."
 NO_LOAD = (
     "The drive does not grow with the load of the MJCF: check signs and zeros of this joint and of "
@@ -51,6 +54,9 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *scale_note(found.final, found.prepared.slide),
         *inertia_note(found.prepared, found.final),
         *(() if load_shows else (NO_LOAD,)),
+        *_offset_note(found, cov),
+        *_event_note(found),
+        *_limit_note(found),
         *found.hints,
         *assumed_note(found.final, found.prepared.slide),
         *_constraint_note(found),
@@ -59,6 +65,56 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *_sight_note(found),
         *_laws_note(found),
         *((HELD,) if found.prepared.band.zero_order_hold else ()),
+    )
+
+
+def _offset_note(found: Trace, cov: Array) -> tuple[str, ...]:
+    """Note that an encoder zero may be off instead of a mass."""
+    prepared = found.prepared
+    terms = range(len(found.findings))
+    each = (term_estimates(found.final, cov, i, prepared.slide) for i in terms)
+    offsets = [x for own in each if (x := offset_instead(prepared, own)) is not None]
+    return tuple(
+        f"An encoder that reads {x:.3g} rad too much explains the logs as well as a wrong mass: "
+        "compare its zero with that of the MJCF."
+        for x in offsets
+    )
+
+
+def _event_note(found: Trace) -> tuple[str, ...]:
+    """Note on half a second that contains most of the squared error."""
+    segments = found.prepared.segments
+    time = found.prepared.at_kept(TIME)
+    name = np.repeat(np.arange(len(segments)), [int(s.kept.sum()) for s in segments])
+    squares = found.final.in_motion * found.final.residual**2
+    _, window = np.unique(np.column_stack([name, time // EVENT_S]), axis=0, return_inverse=True)
+    sums = np.bincount(window, squares)
+    worst = np.argmax(sums)
+    share = sums[worst] / (sums.sum() or 1.0)
+    # one of many windows, and more than all others together
+    if len(sums) < 20 or share < 0.5:
+        return ()
+    at = int(np.argmax(squares * (window == worst)))
+    return (
+        f"{segments[name[at]].name}: {share:.0%} of the squared error lies in {EVENT_S:g} s, at "
+        f"{time[at]:.4g} s: look there for a knock, a wrong reading, or a motion that is too fast "
+        "for the sample rate, before you trust any name.",
+    )
+
+
+def _limit_note(found: Trace) -> tuple[str, ...]:
+    """Note that a measured drive often stands at its largest value, if no finding says so."""
+    prepared = found.prepared
+    at_limit = [s.at_kept(s.saturated) != 0.0 for s in prepared.segments if s.saturated is not None]
+    if prepared.band.sensor_saturates or not at_limit:
+        return ()
+    share = sum(x.sum() for x in at_limit) / len(found.final.residual)
+    if share < 0.01:
+        return ()
+    return (
+        f"In {share:.0%} of the samples the {prepared.drive} stands at its largest value. That is "
+        "right if the drive was at its limit. If the sensor was, leave these samples out: what it "
+        "hides resembles other effects.",
     )
 
 

@@ -7,6 +7,7 @@ from typing import get_args
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.diagnose.encoder_zero import offset_instead
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.effects.effect import Effect
@@ -96,9 +97,11 @@ def added(
             more = {f"{key}_{number}": x for key, x in parameters.items()}
             entries[name] = replace(first, parameters=first.parameters | more, torque_rms=rms)
         else:
+            turned = offset_instead(found.prepared, parameters) is not None
+            ties = (*step.ties, "joint-offset") if turned else step.ties
             evidence = Evidence(
                 *(step.gain, step.row.p_value, step.row.frequency),
-                *(step.runner_up, step.margin, step.ties),
+                *(step.runner_up, step.margin, ties),
             )
             entries[name] = Added(name, step.term.effect.cause, parameters, evidence, rms)
     return tuple(entries.values())

@@ -7,6 +7,7 @@ import itertools
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
@@ -16,6 +17,7 @@ from frictionjoint.measured.log import LARGEST_GAP
 _RANGES = (2 * np.pi, 4 * np.pi, 8 * np.pi, 25.0)
 _MEASURED = ("position_rad", "motor_position_rad")
 _TARGETS = {"position_rad": "target_rad", "position_m": "target_m"}
+_CANNOT_LEAP = ("position_rad", "position_m", "temperature_c")
 _DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
 _HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
 
@@ -80,28 +82,30 @@ def without_lone_readings(columns: Mapping[str, Array]) -> tuple[dict[str, Array
     """
     found, notes = dict(columns), []
     for name, x in columns.items():
-        unit = name.rpartition(".")[2]
-        if unit not in ("position_rad", "temperature_c") or len(x) < 3:
-            continue
-        near = np.concatenate([x[1:2], 0.5 * (x[:-2] + x[2:]), x[-2:-1]])
-        across = np.concatenate([[0.0], np.abs(x[2:] - x[:-2]), [0.0]])
-        off = np.abs(x - near)
-        usual = float(np.quantile(np.abs(np.diff(x)), 0.99))
-        travel = float(np.ptp(np.quantile(x, (0.01, 0.99))))
-        # away and back over 30% of the travel of the others, and eight times as far as they move
-        least = max(0.3 * travel, 8.0 * usual)
-        lone = (off > least) & (across < 0.1 * off) & (least > 0.0)
-        lone[[0, -1]] = False
-        # what one sample in a hundred does is a motion
-        if not lone.any() or lone.sum() > 0.01 * len(x):
-            continue
-        mended = x.copy()
-        mended[lone] = near[lone]
-        found[name] = mended
-        what = "1 outlier" if lone.sum() == 1 else f"{int(lone.sum())} outliers"
-        row = int(np.argmax(lone)) + 1
-        notes.append(f"{name}: {what} (first in sample {row}: {x[row - 1]:.4g}): interpolated.")
+        if name.rpartition(".")[2] in _CANNOT_LEAP and len(lone := _lone(x)):
+            found[name] = x.copy()
+            found[name][lone] = 0.5 * (x[lone - 1] + x[lone + 1])
+            notes.append(f"{_outliers(name, x, lone)}: interpolated.")
     return found, tuple(notes)
+
+
+def _lone(x: Array) -> NDArray[np.intp]:
+    """Indices of single readings far from both neighbours, which agree."""
+    if len(x) < 3:
+        return np.zeros(0, dtype=np.intp)
+    off = np.abs(x[1:-1] - 0.5 * (x[:-2] + x[2:]))
+    usual = float(np.quantile(np.abs(np.diff(x)), 0.99))
+    travel = float(np.ptp(np.quantile(x, (0.01, 0.99))))
+    # away and back over 30% of the travel of the others, and eight times as far as they move
+    least = max(0.3 * travel, 8.0 * usual)
+    lone = (off > least) & (np.abs(x[2:] - x[:-2]) < 0.1 * off) & (least > 0.0)
+    # what one sample in a hundred does is a motion
+    return np.flatnonzero(lone) + 1 if lone.sum() <= 0.01 * len(x) else np.zeros(0, dtype=np.intp)
+
+
+def _outliers(name: str, x: Array, lone: NDArray[np.intp]) -> str:
+    many = "1 outlier" if len(lone) == 1 else f"{len(lone)} outliers"
+    return f"{name}: {many} (first in sample {lone[0] + 1}: {x[lone[0]]:.4g})"
 
 
 def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, int]]:
@@ -128,8 +132,10 @@ def _moves(position: Array) -> bool:
     return float(np.std(position - position[0])) > 5.0 * jitter
 
 
-def silence_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
-    """Notes on drives that are exactly zero for long while the joint moves.
+def drive_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
+    """Notes on drives that are exactly zero for long while the joint moves, or leap for one sample.
+
+    A drive may leap, so its outliers are not repaired.
 
     Args:
         columns: of the joint, shape (n,) each, including ``time_s`` and a position.
@@ -137,7 +143,13 @@ def silence_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
     position = next(x for name, x in columns.items() if name in ("position_rad", "position_m"))
     time, notes = columns["time_s"], []
     for name, x in columns.items():
-        runs = silent_runs(time, position, x) if name in _DRIVES else []
+        if name not in _DRIVES:
+            continue
+        if len(lone := _lone(x)):
+            notes.append(
+                f"{_outliers(name, x, lone)}: if they are wrong readings, leave these rows out."
+            )
+        runs = silent_runs(time, position, x)
         if runs:
             share = sum(b - a for a, b in runs) / len(x)
             first, last = time[runs[0][0]], time[runs[0][1] - 1]

@@ -28,7 +28,7 @@ from frictionjoint.measured.columns import (
 from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.repairs import (
-    silence_notes,
+    drive_notes,
     unwrapped,
     with_one_clock,
     with_position,
@@ -167,7 +167,7 @@ def log_of(
     data, further = ({name: mixed[name] for name in part} for part in (data, further))
     own = {name: x for name, x in data.items() if "." not in name}
     check_leaps(path.name, shown(own))
-    said = runs + integrated + lone + notes + more + silence_notes(own)
+    said = runs + integrated + lone + notes + more + drive_notes(own)
     notes = (*dropped, *(f"{path.stem}: {note}" for note in said))
     return _from_columns(path.stem, joint, data, further, notes)
 

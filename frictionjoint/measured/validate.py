@@ -108,7 +108,7 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
     if step.min() <= 0:
         i = int(np.argmax(step <= 0)) + 1
         raise LogError(
-            f"{source}, row {row(i)}, time_s: {time[i]:.9g} after {time[i - 1]:.9g}, "
+            f"{source}, row {row(i)}, time_s: {float(time[i])} after {float(time[i - 1])}, "
             "time must increase: sort the rows or remove repeats"
         )
     median = float(np.median(step))

@@ -14,6 +14,7 @@ Stage = Literal["before", "after"]
 STAGES: tuple[Stage, Stage] = ("before", "after")
 
 _LOOP = "position in closed loop"
+_NO_NOISE = "The noise of the instruments cannot be determined from these logs."
 
 
 @dataclass(frozen=True)
@@ -114,13 +115,10 @@ def noise_of(content: Content, unit: str) -> tuple[str, float | None]:
     """The noise of the instruments in a sentence, and its value if plausible."""
     estimate, least = content.get("noise_floor"), _remaining(content)
     if not estimate or least is None:
-        return "The noise of the instruments cannot be determined from these logs.", None
+        return _NO_NOISE, None
     # a noise is estimated to a factor of 1.5
     if estimate > 1.5 * least:
-        return (
-            f"The noise of the instruments is not stated: its estimate, {three(estimate)} {unit}, "
-            f"is above an error that remains, {three(least)} {unit}, so the estimate is wrong."
-        ), None
+        return _NO_NOISE, None
     whole = content.get("drive", {}).get("rms", {}).get("after", {})
     drive = max((x for x in whole.values() if x), default=None)
     # no instrument resolves less than 14 bits of its range

@@ -46,7 +46,7 @@ def described(log: JointLog) -> str:
     low, high = float(log.position.min()), float(log.position.max())
     unit = "m" if log.slide else "rad"
     return (
-        f"{log.name}, joint {log.joint}: {len(log.time)} samples, {log.duration:.3g} s, "
+        f"{log.name}, {log.joint}: {len(log.time)} samples, {log.duration:.3g} s, "
         f"{rate:.4g} Hz, position {low:.4g} to {high:.4g} {unit}"
     )
 

@@ -226,8 +226,8 @@ def _missing(s: Summary) -> str:
     else:
         text = text or "nothing for certain"
         if unsized:
-            size = "a size" if len(unsized) == 1 else "sizes"
-            text += f"; needed too, with {size} that these logs leave open: {listed(unsized)}"
+            also = "also " if sure else ""
+            text += f"; probably {also}{listed(unsized)}, whose size these logs do not determine"
         if unsure:
             text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
     if s.laws[0] != s.laws[1]:
