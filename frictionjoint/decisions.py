@@ -15,10 +15,10 @@ MOSTLY = 0.5
 SMALLEST_GAIN = 0.33
 # torque that a change must move, over the friction's rms: no law is exact, and what is smaller is
 # as likely the law's own error as an effect
-DISCREPANCY = 0.004
+LEAST_MOVED = 0.004
 # the same of an effect of the drive, over the drive's rms: a dead band resembles friction. Where
 # nothing is hidden, one that takes the least fraction of the squares moves 0.6% at most
-DRIVE_DISCREPANCY = 0.007
+LEAST_MOVED_OF_DRIVE = 0.007
 # models within this fraction of the best one's gain explain as much, so that what promises less of
 # simulated motion to first order is not tried; they are apart where one leaves half of what the
 # other leaves

@@ -9,7 +9,7 @@ from servo_plant import KNOWN, PLANT, logs, sines
 
 from frictionjoint.control import Controller
 from frictionjoint.control.kernel_numbers import block_of
-from frictionjoint.decisions import DRIVE_DISCREPANCY
+from frictionjoint.decisions import LEAST_MOVED_OF_DRIVE
 from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.effects import drive_limit
@@ -59,7 +59,7 @@ def test_what_the_firmware_does_is_named_and_measured(hidden, name, number, valu
     assert term.name == name
     assert term.shape[number] == pytest.approx(value, rel=0.1)
     assert found.look.rows[0].p_value < 0.05
-    assert score.of_drive(found.now) > DRIVE_DISCREPANCY
+    assert score.of_drive(found.now) > LEAST_MOVED_OF_DRIVE
     # whole logs, simulated from the target alone, come nearer
     courses = courses_of(made, [body] * len(made), KNOWN)
     before, after = (closed_loop(courses, f).mae for f in (base, score.fit))
@@ -85,7 +85,7 @@ def test_a_drive_as_its_file_says_asks_for_nothing():
     _, _, _, _, found = looked({})
     assert found is not None
     _, score = found.tried[0]
-    assert score.of_drive(found.now) < DRIVE_DISCREPANCY
+    assert score.of_drive(found.now) < LEAST_MOVED_OF_DRIVE
 
 
 @pytest.mark.parametrize("effect", DRIVE_EFFECTS, ids=lambda e: f"{e.name} {e.form}")

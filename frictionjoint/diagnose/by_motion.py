@@ -32,7 +32,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.refine.guard import clearly_less
-from frictionjoint.refine.motion import WINDOW_S
+from frictionjoint.refine.motion import LONGEST_WINDOW_S
 from frictionjoint.refine.objective import Objective
 from frictionjoint.refine.refine import Refined, judged, outcome, refine
 from frictionjoint.refine.secant import differences
@@ -185,7 +185,7 @@ def _promising(
     values, as in the torque balance with the effect.
     """
     prepared, final = found.prepared, found.final
-    objective = Objective(now.vector, courses, WINDOW_S, now.values)
+    objective = Objective(now.vector, courses, LONGEST_WINDOW_S, now.values)
 
     def squares(fitted: Fit) -> float:
         return float(np.sum(objective.soft(np.concatenate(objective.errors_of(fitted))) ** 2))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import DISCREPANCY, SURELY, TIE
+from frictionjoint.decisions import LEAST_MOVED, SURELY, TIE
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
@@ -100,5 +100,5 @@ def _leaves(fitted: Fit, blocks: Blocks, k: int, outward: float) -> bool:
     products = np.bincount(blocks.of_sample, column * fitted.residual * w, blocks.count)
     total, error = outward * products.sum(), np.linalg.norm(products)
     moved = total / max(np.linalg.norm(column), 1e-300)
-    least = DISCREPANCY * np.linalg.norm(fitted.friction * w)
+    least = LEAST_MOVED * np.linalg.norm(fitted.friction * w)
     return bool(total > SURELY * error and moved > least)

@@ -22,7 +22,7 @@ from frictionjoint.identify.start import Prediction, predict
 from frictionjoint.identify.terms import DriveTerm, Term
 from frictionjoint.replay.free_runs import Replay
 from frictionjoint.replay.loops import LoopErrors
-from frictionjoint.replay.windows import WINDOW_S
+from frictionjoint.replay.windows import RUN_S
 from frictionjoint.report.entries import (
     Added,
     Curve,
@@ -56,7 +56,7 @@ def intervals(prepared: Prepared, found: Trace) -> Intervals | None:
     """Intervals of the torque's rms error before and after; None if there are too few blocks."""
     pair = []
     first = prepared.segments[0]
-    length = max(1, round(WINDOW_S / (first.dt * first.step)))
+    length = max(1, round(RUN_S / (first.dt * first.step)))
     for fitted in (found.base, found.final):
         e = _errors(prepared, fitted, found.final.scale)
         block = np.arange(len(e)) // length

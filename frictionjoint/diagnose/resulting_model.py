@@ -14,7 +14,7 @@ from frictionjoint.refine.refined_model import RefinedModel
 from frictionjoint.replay.closed_loop import driven_courses
 from frictionjoint.replay.free_runs import simulated_whole
 from frictionjoint.replay.loops import LoopErrors
-from frictionjoint.replay.windows import WINDOW_S
+from frictionjoint.replay.windows import RUN_S
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def resulting_model(
         closed = loops.errors((found.base, found.final))
     elif asked and scaled and simulated_whole(found.final, body.armature, in_closed_loop=True):
         # runs from the measured motion, driven by the measured drive (multiple shooting)
-        courses = driven_courses(logs.fitted, logs.bodies, found.prepared, WINDOW_S)
+        courses = driven_courses(logs.fitted, logs.bodies, found.prepared, RUN_S)
         outcome = refine(found.prepared, found.final, courses, progress)
         refined = RefinedModel.of(outcome, None, body.slide, scaled)
     best = outcome.fit if outcome else found.final

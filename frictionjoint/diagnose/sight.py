@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from frictionjoint.arrays import root_mean_square
-from frictionjoint.decisions import APART, DISCREPANCY, SMALLEST_GAIN
+from frictionjoint.decisions import APART, LEAST_MOVED, SMALLEST_GAIN
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.identify.blocks import Blocks, correlation_time
@@ -82,7 +82,7 @@ def sight(
     friction = root_mean_square(fitted.friction * fitted.weight)
     duration = sum(len(s.drive) * s.dt for s in prepared.segments)
     enough = needed * (1.0 - APART) / APART
-    torque = max(float(np.sqrt(fraction / (1.0 - fraction))) * left, DISCREPANCY * friction)
+    torque = max(float(np.sqrt(fraction / (1.0 - fraction))) * left, LEAST_MOVED * friction)
     named = [c for c in candidates if not c.unnamed]
     sizes: dict[str, list[float]] = {}
     for c, size in zip(named, smallest(fitted, blocks, named, torque), strict=True):

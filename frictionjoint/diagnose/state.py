@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from frictionjoint.decisions import APART, DISCREPANCY, DRIVE_DISCREPANCY, SMALLEST_GAIN, TIE
+from frictionjoint.decisions import APART, LEAST_MOVED, LEAST_MOVED_OF_DRIVE, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.library import library
@@ -151,7 +151,7 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
         first: whether its additional effect is certain to exist. Then any better prediction
             suffices.
     """
-    small = now.moved(other) < DISCREPANCY and now.gain(other) < 1.0 - TIE
+    small = now.moved(other) < LEAST_MOVED and now.gain(other) < 1.0 - TIE
     if small or now.impossible - other.impossible:
         return False
     if first:
@@ -161,7 +161,7 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
 
 def is_small(term: Term, now: Scored, other: Scored) -> bool:
     """Whether an effect changes the drive by less than an erroneous law may require."""
-    return isinstance(term, DriveTerm) and now.of_drive(other) < DRIVE_DISCREPANCY
+    return isinstance(term, DriveTerm) and now.of_drive(other) < LEAST_MOVED_OF_DRIVE
 
 
 def numbers_of(term: Term) -> int:

@@ -11,7 +11,7 @@ that explain much more at such a start than the best fit of the law alone.
 
 from collections.abc import Sequence
 
-from frictionjoint.decisions import CLEARLY, DISCREPANCY, SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.decisions import CLEARLY, LEAST_MOVED, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.moves import LEADERS, Look, Looked, Move
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.score import Scored
@@ -68,7 +68,7 @@ def candidates_to_refit_jointly(
     Args:
         now: the present model. seen: its candidates.
     """
-    if now.fit.effects or now.above_noise < DISCREPANCY:
+    if now.fit.effects or now.above_noise < LEAST_MOVED:
         return []
     own = forms_like(now.fit.shape)
     alone = ripened(prepared, (), own)[0].cost

@@ -26,7 +26,7 @@ from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
 from frictionjoint.model_joints import is_slide
 from frictionjoint.mujoco_warnings import unheard
-from frictionjoint.replay.windows import WINDOW_S
+from frictionjoint.replay.windows import RUN_S
 
 SCHEMA = "frictionjoint/evaluate-1"
 ReadLog = Callable[[str | Path, str], JointLog]
@@ -230,7 +230,7 @@ def _one_log(
     measured = {name: measures_drive(log) for name, log in logs.items()}
     recording = Recording.of({n: with_drive(log, controllers[n]) for n, log in logs.items()})
     m = EvaluatedModel(model, list(logs), list(recording.led), recording.kinds, fixed)
-    between_restarts = max(2, round(WINDOW_S / recording.step))
+    between_restarts = max(2, round(RUN_S / recording.step))
     along = torque_along(m, recording, between_restarts)
     runs = replay(m, recording, along) if all(measured.values()) else None
     known = {n: c for n in logs if (c := controllers[n]) and logs[n].target is not None}

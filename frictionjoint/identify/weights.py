@@ -20,7 +20,7 @@ from frictionjoint.identify.segment import Prepared
 
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have
 # another law leave 3 to 10% of the level there.
-DISCREPANCY = 0.05
+STICKING_ERROR = 0.05
 # most that the torque of a curve which saturates exponentially changes, over its level, when its
 # stiffness changes by a part
 _PER_STIFFNESS = np.exp(-1.0)
@@ -112,7 +112,7 @@ def _weighed(
     base = errors.sliding or 1e-300
     weights = []
     for s, stuck, missed in zip(prepared.segments, sticking, unresolved, strict=True):
-        known = missed**2 + (DISCREPANCY * level) ** 2
+        known = missed**2 + (STICKING_ERROR * level) ** 2
         variance = stuck * np.maximum(known, errors.sticking**2 - base**2)
         if s.unknown is not None:
             variance = variance + s.undecimated(np.abs(s.unknown)) ** 2

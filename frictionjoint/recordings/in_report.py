@@ -12,7 +12,7 @@ from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import FrictionJointError, ParameterError
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import LOOSE
-from frictionjoint.identify.weights import DISCREPANCY
+from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import Between, over
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
@@ -59,7 +59,7 @@ def with_recordings(
         rows.append(_row(number.name, between, own, i))
         # one false alarm in twenty reports, over all parameters; and no law is exact, so values of
         # recordings of unlike motion differ by its error, or by that of the parameter
-        least = max(stderr, DISCREPANCY * abs(between.mean))
+        least = max(stderr, STICKING_ERROR * abs(between.mean))
         if between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > least:
             column = np.zeros((len(known.cov), 1))
             column[list(number.indices)] = between.deviation

@@ -12,7 +12,7 @@ from frictionjoint.simulate.one_joint import simulate
 from frictionjoint.threads import side_by_side
 
 # s, longest window: a stick that came too early is forgotten with it
-WINDOW_S = 1.0
+LONGEST_WINDOW_S = 1.0
 
 
 def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> list[Array]:
@@ -43,8 +43,8 @@ def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> li
 def window_squares(courses: Sequence[Course], fitted: Fit) -> Array:
     """Mean square of the errors of each window, rad^2 (m^2), shape (k,)."""
     found = []
-    for course, e in zip(courses, errors(courses, fitted, WINDOW_S), strict=True):
-        window = ((course.time - course.time[0]) / WINDOW_S).astype(int)
+    for course, e in zip(courses, errors(courses, fitted, LONGEST_WINDOW_S), strict=True):
+        window = ((course.time - course.time[0]) / LONGEST_WINDOW_S).astype(int)
         count = np.bincount(window)
         found.append((np.bincount(window, e**2) / np.maximum(count, 1))[count > 0])
     return np.concatenate(found)

@@ -22,7 +22,7 @@ from frictionjoint.refine.guard import (
     uncertain,
     without_each,
 )
-from frictionjoint.refine.motion import WINDOW_S
+from frictionjoint.refine.motion import LONGEST_WINDOW_S
 from frictionjoint.refine.objective import MOST_STEPS, Objective
 from frictionjoint.refine.secant import Secant
 from frictionjoint.refine.vector import Vector
@@ -91,7 +91,7 @@ def tried(
     Args:
         starts: numbers to start from on whole logs.
     """
-    windows = Objective(vector, courses, WINDOW_S, vector.start)
+    windows = Objective(vector, courses, LONGEST_WINDOW_S, vector.start)
     objective = Objective(vector, courses, None, starts[0])
     progress(f"refining by simulation of whole logs, error {1e3 * objective.size:.3g} mrad")
     costs = [_cost(objective, start) for start in starts]
@@ -111,8 +111,10 @@ def by_windows(
     """
     found = []
     for vector in vectors:
-        windows = Objective(vector, courses, WINDOW_S, vector.start)
-        progress(f"refining by simulation of {WINDOW_S:g} s, error {1e3 * windows.size:.3g} mrad")
+        windows = Objective(vector, courses, LONGEST_WINDOW_S, vector.start)
+        progress(
+            f"refining by simulation of {LONGEST_WINDOW_S:g} s, error {1e3 * windows.size:.3g} mrad"
+        )
         x, _ = _search(windows, vector.start)
         whole = Objective(vector, courses, None, x)
         found.append((float(np.mean(np.abs(whole.errors(whole.units(x))))), vector, x))

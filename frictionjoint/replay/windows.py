@@ -21,7 +21,7 @@ from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor
 
 # s, length of a run; errors of different runs are independent
-WINDOW_S = 0.5
+RUN_S = 0.5
 # s, longest step of a simulation, fine enough for presliding at usual stiffness
 LONGEST_STEP = 1e-3
 
@@ -62,7 +62,7 @@ class Windows:
             for n in {x.rpartition(".")[0] for x in others} - set(segments)
             if all(f"{n}.{kind}" in others for kind in kinds)  # others are signals
         }
-        self._length = max(2, round(WINDOW_S / self._dt))
+        self._length = max(2, round(RUN_S / self._dt))
         self._substeps = max(1, int(np.ceil(self._dt / LONGEST_STEP)))
 
     def errors(self) -> Array:

@@ -6,14 +6,14 @@ Sums of squares are by joint and block of time, shape (J, B), in units of each j
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import CLEARLY, DISCREPANCY, SMALLEST_GAIN
+from frictionjoint.decisions import CLEARLY, LEAST_MOVED, SMALLEST_GAIN
 from frictionjoint.robot.stack import Stack
 
 
 def enough(stack: Stack, before: Array, after: Array) -> bool:
     """Whether the reduction is larger than the laws' own errors could produce."""
     return (
-        joint_gain(before, after) >= SMALLEST_GAIN and _moved(stack, before, after) >= DISCREPANCY
+        joint_gain(before, after) >= SMALLEST_GAIN and _moved(stack, before, after) >= LEAST_MOVED
     )
 
 
@@ -49,7 +49,7 @@ def as_much(stack: Stack, after: Array, before: Array) -> bool:
 
     Below the laws' own errors, one explanation is no better than another.
     """
-    if _moved(stack, after, before) < DISCREPANCY:
+    if _moved(stack, after, before) < LEAST_MOVED:
         return True
     least = float(after.sum()) <= (1.0 + CLEARLY) * float(before.sum())
     return least and not better(before, after) and not harms(after, before)
