@@ -1,14 +1,16 @@
-"""What a simulation and the help of the command line load: no readers, no filters, no plots."""
+"""What importing, simulating and the help load, and that every folder of code is packaged."""
 
 import ast
 import subprocess
 import sys
+import tomllib
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 import frictionjoint
+from frictionjoint.errors import ParameterError
 from frictionjoint.law.names import LAWS
 from frictionjoint.laws import parameters_from_dict
 from frictionjoint.simulate.stick_slip import kuka_model
@@ -21,6 +23,21 @@ def modules(script: str) -> set[str]:
         [sys.executable, "-c", script + ending], check=True, capture_output=True, text=True
     )
     return set(run.stdout.split())
+
+
+def test_the_import_leaves_heavy_libraries_alone():
+    heavy = {"numba", "pandas", "sklearn", "scipy", "mujoco", "matplotlib", "pyarrow"}
+    assert not modules("import frictionjoint") & heavy
+
+
+def test_every_folder_of_code_is_packaged():
+    root = Path(frictionjoint.__file__).parent
+    settings = tomllib.loads((root.parent / "pyproject.toml").read_text())["tool"]["setuptools"]
+    folders = {
+        ".".join(file.parent.relative_to(root.parent).parts) for file in root.rglob("__init__.py")
+    }
+    assert folders | {"frictionjoint.models"} == set(settings["packages"])
+    assert (root / "py.typed").is_file()
 
 
 def test_a_simulation_loads_no_readers_no_plots_and_no_command_line():
@@ -51,16 +68,9 @@ def test_the_help_loads_neither_numpy_nor_mujoco():
 
 
 def test_every_law_with_a_name_has_its_class():
-    known = str(_refusal({"law": "none"})).rpartition("known are ")[2]
-    assert tuple(known.split(", ")) == LAWS
-
-
-def _refusal(values) -> Exception:
-    try:
-        parameters_from_dict(values)
-    except Exception as error:
-        return error
-    raise AssertionError("an unknown law is refused")
+    with pytest.raises(ParameterError) as refused:
+        parameters_from_dict({"law": "none"})
+    assert tuple(str(refused.value).rpartition("known are ")[2].split(", ")) == LAWS
 
 
 def imported_by_part() -> dict[str, set[str]]:

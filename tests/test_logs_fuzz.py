@@ -22,20 +22,8 @@ EXAMPLES = int(os.environ.get("FRICTIONJOINT_FUZZ", "120"))
 
 NAMES = ["time_s", "position_rad", "velocity_rad_s", "torque_nm", "voltage_v", "a.position_rad"]
 CELLS = [
-    "",
-    "nan",
-    "inf",
-    "-1e308",
-    "1e999",
-    "0x1",
-    "1_0",
-    "١",
-    "true",
-    '"',
-    '"1"',
-    " 2 ",
-    "NA",
-    "x,y",
+    *("", "nan", "inf", "-1e308", "1e999", "0x1", "1_0", "١"),
+    *("true", '"', '"1"', " 2 ", "NA", "x,y"),
 ]
 cell = st.one_of(
     st.floats(width=32).map(str),

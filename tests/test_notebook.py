@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from frictionjoint.display import table
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.rivals import DahlParameters
 
@@ -29,10 +28,6 @@ def test_a_report_shows_verdict_errors_and_picture(demo_report):
     assert "&lt;b&gt;elbow&lt;/b&gt;" in text
     assert text.count("<img") == 1
     assert "<script" not in text
-
-
-def test_a_table_escapes_its_cells():
-    assert "<b>" not in table("<b>", ("<b>",), [("<b>",)])
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.ipynb")), ids=lambda p: p.stem)

@@ -165,6 +165,7 @@ class Stated:
     mjcf: str
     posterior: Posterior | None
     notes: tuple[str, ...] = ()
+    slide: bool = False
     controller: Controller | None = None
     recordings: tuple[dict, ...] = ()
     added: tuple[Named, ...] = ()
@@ -181,10 +182,8 @@ def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
     assert rows["Fc"]["deviation"] == pytest.approx(np.std(levels, ddof=1), rel=0.15)
     assert rows["sigma2"]["deviation"] < 0.1 * SIGMA2
     assert [x["log"] for x in rows["Fc"]["recordings"]] == [log.name for log in logs]
-    assert any(
-        note.startswith("Between recordings, Coulomb friction varies by 0.05")
-        for note in found.notes
-    )
+    assert "Between recordings, Coulomb friction varies by 0.05" in found.notes[0]
+    assert " N m, " in found.notes[0]
     drawn = [x.parameters.Fc_pos for x in found.posterior.sample(300)]
     assert np.std(drawn) == pytest.approx(np.std(levels, ddof=1), rel=0.25)
     assert with_recordings(stated, logs[:2]) is stated

@@ -11,6 +11,7 @@ from arms.fitted import joint_logs
 from frictionjoint.errors import LogError
 from frictionjoint.identify.driven_joints import joints_to_explain
 from frictionjoint.measured.readers import joints_with_drive
+from frictionjoint.robot.close_loop import Options, close_loop_robot
 from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.logs import RobotLogs
 
@@ -110,3 +111,16 @@ def test_a_wrong_sign_is_refused_before_any_cause_is_sought():
     wrong = replace(right, torque=-right.torque)
     with pytest.raises(LogError, match="wrong sign of position or torque"):
         first_fit([wrong], arm.believed, "j2", None)
+
+
+def test_joints_that_are_exchanged_in_the_logs_are_named():
+    arm = random_arm(31, 2)
+    right = {joint: logs[0] for joint, logs in joint_logs(arm, (1,), 6.0).items()}
+    position = {joint: log.position for joint, log in right.items()}
+    wrong = {
+        a: replace(right[b], joint=a, other_positions={b: position[a]})
+        for a, b in (("j1", "j2"), ("j2", "j1"))
+    }
+    logs = RobotLogs({joint: [log] for joint, log in wrong.items()}, {"j1": [], "j2": []}, {})
+    with pytest.raises(LogError, match="'j1' and 'j2' are exchanged in the logs"):
+        close_loop_robot(logs, arm.believed, Options(jobs=1))

@@ -66,7 +66,7 @@ def test_a_payload_beside_the_link_is_a_mass_and_its_inertia():
 def test_an_encoder_zero_that_is_off_is_said_and_so_is_a_knock():
     logs = [driven(joint(), seed) for seed in (1, 2, 3)]
     logs = [replace(log, position=log.position + 0.5) for log in logs]
-    knock = 0.3 * (np.abs(logs[1].time - 5.25) < 0.1)
+    knock = 0.6 * (np.abs(logs[1].time - 5.25) < 0.1)
     logs[1] = replace(logs[1], torque=logs[1].torque + knock)
     report = close_loop(logs[:2], BELIEVED, "j", logs[2:])
     (step,) = report.added

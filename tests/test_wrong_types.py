@@ -74,11 +74,6 @@ def test_wrong_types_name_the_mend(act, words):
     assert mujoco.get_mjcb_passive() is None
 
 
-def test_right_types_in_other_clothes_are_taken():
-    assert fj.friction_torque(FRICTION, np.arange(3), [0, 1, 2]).shape == (3,)
-    fj.attach(MODEL).detach()
-
-
 def test_slices_and_single_precision_are_logs_too():
     table = np.random.default_rng(0).standard_normal((400, 2)).astype(np.float32)
     log = JointLog(

@@ -91,14 +91,16 @@ def _event_note(found: Trace) -> tuple[str, ...]:
     sums = np.bincount(window, squares)
     worst = np.argmax(sums)
     share = sums[worst] / (sums.sum() or 1.0)
-    # one of many windows, and more than all others together
-    if len(sums) < 20 or share < 0.5:
+    # one of many windows, and more than all others together; an error below 1% of the torque is
+    # that of a good model
+    small = found.final.rms_in_motion < 0.01 * found.final.target_rms
+    if small or len(sums) < 20 or share < 0.5:
         return ()
     at = int(np.argmax(squares * (window == worst)))
     return (
         f"{segments[name[at]].name}: {share:.0%} of the squared error lies in {EVENT_S:g} s, at "
         f"{time[at]:.4g} s: look there for a knock, a wrong reading, or a motion that is too fast "
-        "for the sample rate, before you trust any name.",
+        "for the sample rate.",
     )
 
 

@@ -41,9 +41,10 @@ def turned_round(prepared: Prepared, names: str, gravity: float, inertia: float)
 
 def _wrong_sign(prepared: Prepared, name: str, why: str) -> str:
     c = _columns(prepared)
-    exchanged = ", that the two are not exchanged" if prepared.commanded else ""
+    wrong = "wrong sign or gain" if prepared.commanded else "wrong sign"
+    exchanged = f", that the two are not exchanged{c.rest}" if prepared.commanded else ""
     return (
-        f"{name}: wrong sign of position or {c.what}: {why}: check the signs of {c.position} and "
+        f"{name}: {wrong} of position or {c.what}: {why}: check the signs of {c.position} and "
         f"{c.drive}, both positive along the joint's axis in the MJCF{exchanged}, and their clocks"
     )
 

@@ -118,6 +118,11 @@ def check(prepared: Prepared) -> None:
         _check_too_large(prepared, load, names)
 
 
+def unexplained_fraction(prepared: Prepared) -> float:
+    """Residual of the model's load and friction of any level, as a fraction of the drive's rms."""
+    return _left(_balance(prepared), prepared.gain_unknown)
+
+
 def check_fit(prepared: Prepared, fitted: Fit) -> None:
     """Check that a fit explains some of the torque; otherwise its parameters mean nothing.
 

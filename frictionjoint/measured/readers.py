@@ -35,6 +35,8 @@ from frictionjoint.measured.tx40 import is_tx40, read_tx40
 from frictionjoint.measured.units import check_units
 
 _TENSORS = ".pt"
+# files of a report that could be logs by their names
+_RESULTS = ("report.json", "evaluation.json", "next_trajectory.csv")
 _KINDS = (*TABLES, *SUFFIXES, _TENSORS, ".json", ".npy")
 
 
@@ -132,7 +134,8 @@ def log_files(path: str | Path) -> list[Path]:
         return [path] if whole else [folder.with_name(f"{folder.name}#{i}") for i in numbers]
     if not path.is_dir() or is_bag(path) or is_panda(path) or is_tx40(path):
         return [path]
-    found = sorted(x for x in path.iterdir() if x.suffix.lower() in _KINDS or is_bag(x))
+    entries = (x for x in path.iterdir() if x.name not in _RESULTS)
+    found = sorted(x for x in entries if x.suffix.lower() in _KINDS or is_bag(x))
     if not found:
         raise LogError(f"{path}: a folder without a log: name one of {', '.join(_KINDS)}")
     return found

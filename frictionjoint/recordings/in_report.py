@@ -14,6 +14,7 @@ from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import LOOSE
 from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog
+from frictionjoint.parameter_meanings import unit_of
 from frictionjoint.recordings.between import Between, over
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
 
@@ -64,7 +65,9 @@ def with_recordings(
             column = np.zeros((len(known.cov), 1))
             column[list(number.indices)] = between.deviation
             columns.append(column)
-            said.append(_sentence(number.words, between))
+            symbol = number.name.partition(" ")[0]
+            unit = f" {unit_of(symbol, report.slide)}" if number.of_law else ""
+            said.append(_sentence(number.words, between, unit))
     if open_ones:
         said.append(
             "Not compared between recordings, as these do not determine it: "
@@ -115,7 +118,7 @@ def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dic
     }
 
 
-def _sentence(name: str, between: Between) -> str:
+def _sentence(name: str, between: Between, unit: str) -> str:
     share = f", {between.deviation / abs(between.mean):.0%} of it" if between.mean else ""
     cause = (
         f" Most of it follows {between.cause} ({between.slope:.2g} per unit)."
@@ -123,7 +126,7 @@ def _sentence(name: str, between: Between) -> str:
         else ""
     )
     return (
-        f"Between recordings, {name} varies by {between.deviation:.2g}{share} (standard deviation, "
-        f"without the error of each; p {between.p_value:.2g}).{cause} Samples of the parameters "
-        "include this variation."
+        f"Between recordings, {name} varies by {between.deviation:.2g}{unit}{share} (standard "
+        f"deviation, without the error of each; p {between.p_value:.2g}).{cause} Samples of the "
+        "parameters include this variation."
     )

@@ -234,6 +234,11 @@ def _missing(s: Summary) -> str:
         text += f"; the friction law is {s.laws[1]} instead of {s.laws[0]}"
     if sure and s.role == "held_out" and not _falls(s):
         text += "; on held-out logs the error falls by no more than chance explains"
+    if (
+        sure
+        and compared(s.error("position", "before"), s.error("position", "after"), s.role) == "rises"
+    ):
+        text += "; the simulated position, however, gets worse"
     partly = s.verdict == "partly-explained" or rest
     return text + "." + (rest or (times if partly else ""))
 

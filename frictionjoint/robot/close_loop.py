@@ -35,6 +35,7 @@ from frictionjoint.report.robot_report import (
 )
 from frictionjoint.robot.causes.cause import composed
 from frictionjoint.robot.corrections import Corrections, write_corrections
+from frictionjoint.robot.exchanged import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
 from frictionjoint.robot.explain import Explained, Fitted, State, Task, explain_joint
 from frictionjoint.robot.found import Found
@@ -125,6 +126,7 @@ def close_loop_robot(
         fitted = {n: x for n, x in firsts.items() if not isinstance(x, str)}
         if not fitted:
             raise LogError(next(iter(failed.values())))
+        require_own_columns(tasks, fitted)
         shared = shared_causes(list(fitted.values()), logs.moving, each, how.seed, how.progress)
         ready = _with_causes([tasks[n] for n in fitted], fitted, shared, model)
         outcomes = dict(_side_by_side(ready, each, how.progress))
