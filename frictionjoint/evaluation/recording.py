@@ -51,12 +51,18 @@ class Recording:
     smooth: LowPass
 
     @classmethod
-    def of(cls, logs: Mapping[str, JointLog], corner: float | None = None) -> "Recording":
-        """Put the joints of one log on a grid with a step of at most a millisecond.
+    def of(
+        cls,
+        logs: Mapping[str, JointLog],
+        corner: float | None = None,
+        steps: tuple[float, float] = (0.0, 1e-3),
+    ) -> "Recording":
+        """Put the joints of one log on a uniform grid.
 
         Args:
             logs: of each joint to evaluate, all with the same times.
             corner: of the filter, Hz; None: where the noise of the positions begins.
+            steps: shortest and longest step of the grid, s.
         """
         first = next(iter(logs.values()))
         raw_time, _, sample = on_a_grid(first)
@@ -64,10 +70,9 @@ class Recording:
         if corner is None:
             corner = max(motion_band(position, sample).whole for position in raw.values())
         corner = min(corner, HIGHEST / sample)
-        # steps of 1 ms at most
-        up = max(1, int(np.ceil(sample / 1e-3 - 1e-6)))
-        finer = LowPass(len(raw_time), sample, corner, steep, 1, up)
-        step, n = sample / up, (len(raw_time) - 1) * up + 1
+        every, up = max(1, int(steps[0] / sample)), max(1, int(np.ceil(sample / steps[1] - 1e-6)))
+        finer = LowPass(len(raw_time), sample, corner, steep, every, up)
+        step, n = sample * every / up, finer.given
         time = raw_time[0] + step * np.arange(n)
 
         def track(position: Array) -> tuple[Array, Array, Array]:

@@ -17,6 +17,8 @@ from frictionjoint.replay.prescribed_motion import Prescribed
 # an explicit integrator, so that friction gives the torque at the present time, not at the end of
 # the step
 _EXPLICIT = int(mujoco.mjtIntegrator.mjINT_RK4)
+# the stage up to which a forward pass has come
+_VELOCITY = int(mujoco.mjtStage.mjSTAGE_VEL)
 STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 
 
@@ -46,48 +48,46 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     model, data = m.model, mujoco.MjData(m.model)
     before = model.opt.timestep, model.opt.integrator, model.opt.disableflags
     model.opt.timestep = recording.step
-    q, v, a = (np.stack([recording.motion[n][i] for n in m.joints], axis=1) for i in range(3))
-    led = Prescribed(model, data, recording.led)
+    moved = Prescribed(model, data, recording.motion | recording.led)
     n = len(recording.time)
-    needed, given = np.empty((n, len(m.joints))), np.zeros((n, len(m.joints)))
-    controls = {i: recording.drive[name] for name, i in m.controls.items() if i is not None}
-    own = [k for k, name in enumerate(m.joints) if m.controls[name] is not None]
-    free = [k for k in range(len(m.joints)) if k not in own]
-    acts, remembers, states = m.acts, m.remembers, []
-    qpos, qvel, qacc, inverse = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
+    needed, acting = np.empty((n, len(m.joints))), np.zeros((n, len(m.joints)))
+    drives = [(i, recording.drive[name]) for name, i in m.controls.items() if i is not None]
+    # every look into `data` makes an array anew
+    control, qacc = data.ctrl, data.qacc
+    inverse, actuator = data.qfrc_inverse, data.qfrc_actuator
+    acts, remembers, dofs, states = m.acts, m.remembers, m.dofs, []
     with m.acting():
         model.opt.integrator = _EXPLICIT
         _without_limits(model, True)
-        for k in range(n):
-            data.time = recording.time[k]
-            qpos[m.qpos], qvel[m.dofs], qacc[m.dofs] = q[k], v[k], a[k]
-            led.put(k)
-            for i, drive in controls.items():
-                data.ctrl[i] = drive[k]
+        for k, time in enumerate(recording.time.tolist()):
+            data.time = time
+            moved.put(k)
+            for i, drive in drives:
+                control[i] = drive[k]
             if k % every == 0:
                 _without_limits(model, False)
                 mujoco.mj_forward(model, data)
                 states.append(_state(model, data))
                 qacc[:] = 0.0
-                qacc[m.dofs] = a[k]
-                led.put(k)
+                moved.put(k)
                 _without_limits(model, True)
             if acts:
                 mujoco.mj_fwdPosition(model, data)
                 mujoco.mj_fwdVelocity(model, data)
                 mujoco.mj_fwdActuation(model, data)
-            mujoco.mj_inverse(model, data)
-            needed[k] = inverse[m.dofs]
-            if acts:
-                acting = data.qfrc_actuator[m.dofs]
-                needed[k, free] -= acting[free]
-                given[k, own] = acting[own]
+                mujoco.mj_inverseSkip(model, data, _VELOCITY, 1)
+                acting[k] = actuator[dofs]
+            else:
+                mujoco.mj_inverse(model, data)
+            needed[k] = inverse[dofs]
             if remembers:
                 _without_limits(model, False)
                 model.opt.integrator = before[1]
                 mujoco.mj_step(model, data)
                 model.opt.integrator = _EXPLICIT
                 _without_limits(model, True)
+    given = np.array([m.controls[name] is not None for name in m.joints]) * acting
+    needed -= acting - given
     model.opt.timestep, model.opt.integrator, model.opt.disableflags = before
     return Along(
         dict(zip(m.joints, needed.T, strict=True)),

@@ -39,6 +39,14 @@ class Motion(NamedTuple):
     gear: Array
 
 
+def grid_steps(corner_hz: float) -> tuple[float, float]:
+    """Shortest and longest step of a grid for a motion of some corner, s."""
+    # laws are driven along steps of the grid, and a reversal between two samples is blurred
+    longest = 2.5e-3
+    # samples per period of the motion's corner
+    return min(longest, 1.0 / (2.5 * corner_hz)), longest
+
+
 def motion_of(log: JointLog, body: RigidBody, corner_hz: float, held: bool) -> Motion:
     """Filter a log's motion and compute inverse dynamics.
 
@@ -47,10 +55,7 @@ def motion_of(log: JointLog, body: RigidBody, corner_hz: float, held: bool) -> M
             acceleration must account for.
     """
     raw_time, raw, sample = on_a_grid(log)
-    # s: laws are driven along steps of the grid, and a reversal between two samples is blurred
-    longest = 2.5e-3
-    # samples per period of the motion's corner
-    finest = min(longest, 1.0 / (2.5 * corner_hz))
+    finest, longest = grid_steps(corner_hz)
     # a slow log is not refined at any cost
     step, up = max(1, int(finest / sample)), min(16, -int(-sample // longest))
     corner = min(corner_hz, HIGHEST / sample)

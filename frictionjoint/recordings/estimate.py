@@ -27,6 +27,7 @@ from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.files import joint_friction
 from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose
+from frictionjoint.identify.motion import grid_steps
 from frictionjoint.identify.segment import A_BALANCE
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
@@ -237,7 +238,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
     log = part.log
     if added:
         log = replace(log, position=log.position + added * part.noise)
-    recording = Recording.of({known.joint: log}, part.corner)
+    recording = Recording.of({known.joint: log}, part.corner, grid_steps(part.corner))
     content = known.content
     own = joint_friction(dict(content))
 

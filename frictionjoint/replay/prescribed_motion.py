@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import mujoco
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 
 
 class Prescribed:
@@ -19,20 +19,25 @@ class Prescribed:
         ids = {n: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) for n in motion}
         names = [n for n, j in ids.items() if j >= 0]
         joints = [ids[n] for n in names]
-        at, dofs = model.jnt_qposadr[joints].astype(int), model.jnt_dofadr[joints].astype(int)
+        at, dofs = _places(model.jnt_qposadr[joints]), _places(model.jnt_dofadr[joints])
+        each = [np.array([motion[n][i] for n in names]).T.copy() for i in range(3)]
         # every look into `data` makes an array anew
-        self._moved = ((data.qpos, at), (data.qvel, dofs), (data.qacc, dofs))
-        in_time = np.array([motion[n] for n in names]).T if names else np.zeros((0, 3, 0))
-        self._motion = np.ascontiguousarray(in_time)
+        moved = zip((data.qpos, data.qvel, data.qacc), (at, dofs, dofs), each, strict=True)
+        self._moved = list(moved) if names else []
 
     def __bool__(self) -> bool:
-        return self._motion.size > 0
+        return bool(self._moved)
 
     def put(self, k: int) -> None:
-        """Set the positions and velocities of the other joints at a sample."""
-        if self:
-            for (array, at), row in zip(self._moved, self._motion[k], strict=True):
-                array[at] = row
+        """Set the positions, velocities and accelerations of the other joints at a sample."""
+        for array, at, track in self._moved:
+            array[at] = track[k]
+
+
+def _places(at: Index) -> Index | slice:
+    """Places in an array, as a slice if they follow each other: that is several times as fast."""
+    follow = len(at) > 0 and np.array_equal(at, np.arange(at[0], at[0] + len(at)))
+    return slice(int(at[0]), int(at[0]) + len(at)) if follow else at.astype(int)
 
 
 class Free:
@@ -47,9 +52,8 @@ class Free:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: list[int]) -> None:
         self._model, self._data, self.dt = model, data, model.opt.timestep
-        # indices of numpy's own type are looked up three times as fast
-        self._at = model.jnt_qposadr[joints].astype(int)
-        self._dofs = model.jnt_dofadr[joints].astype(int)
+        self._at = _places(model.jnt_qposadr[joints])
+        self._dofs = _places(model.jnt_dofadr[joints])
         # every look into `data` makes an array anew
         self._qpos, self._qvel, self._qacc = data.qpos, data.qvel, data.qacc
         self._inverse = data.qfrc_inverse
