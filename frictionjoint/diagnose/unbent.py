@@ -21,7 +21,7 @@ from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.search import Place
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.starts import ripened, screened_starts
+from frictionjoint.identify.starts import COARSE, ripened, screened_starts
 from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.timing import Timing
 from frictionjoint.threads import side_by_side
@@ -70,7 +70,7 @@ def candidates_to_refit_jointly(
     """
     if now.fit.effects or now.above_noise < LEAST_MOVED:
         return []
-    own = forms_like(now.fit.shape)
+    own, coarse = forms_like(now.fit.shape), prepared.thinned(COARSE)
     alone = ripened(prepared, (), own)[0].cost
     named = [r for r in seen.rows if not r.candidate.unnamed]
     asked, rest = (
@@ -79,7 +79,7 @@ def candidates_to_refit_jointly(
     )
 
     def at_a_start(row: Looked) -> float:
-        return screened_starts(prepared, (row.candidate.term,), own)[0].cost
+        return screened_starts(coarse, (row.candidate.term,), own)[0].cost
 
     with side_by_side() as each:
         left = list(each(at_a_start, rest))

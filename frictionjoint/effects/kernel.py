@@ -153,7 +153,8 @@ def torques(effect_id: int, shape: tuple[float, ...], coefficients: Array, signa
     Args:
         coefficients: linear ones, shape (m, k). signals: shape (n, N_SIGNALS).
     """
-    numbers = np.column_stack([np.tile(np.array(shape), (len(coefficients), 1)), coefficients])
+    numbers = np.empty((len(coefficients), len(shape) + coefficients.shape[1]))
+    numbers[:, : len(shape)], numbers[:, len(shape) :] = shape, coefficients
     out = np.empty((len(signals), len(coefficients)))
     _fill(effect_id, numbers, np.ascontiguousarray(signals), out)
     return out

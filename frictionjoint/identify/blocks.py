@@ -7,7 +7,7 @@ position and direction.
 """
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -174,6 +174,7 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
     return rows.T
 
 
+@lru_cache(maxsize=8)
 def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
     """Cut the logs into blocks, and sort the blocks into folds.
 
@@ -196,7 +197,8 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
         halves += [int(2 * b >= k) for b in range(k)]
         log += [int(i)] * k
     if len(logs) < LOGS:
-        fold = _kinds(prepared, of_sample)
+        key = "kinds", tuple(np.bincount(log).tolist())
+        fold = prepared.columns.get(key, partial(_kinds, prepared, of_sample))
     # similar logs do not test each other: with many logs they share a fold
     elif len(logs) < 8:
         fold = np.array(log)

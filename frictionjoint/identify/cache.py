@@ -3,8 +3,9 @@
 from collections import OrderedDict
 from collections.abc import Callable
 from threading import Lock
+from typing import Any
 
-from frictionjoint.arrays import Array
+from numpy.typing import NDArray
 
 
 class Cache:
@@ -18,13 +19,13 @@ class Cache:
 
     def __init__(self, most: int) -> None:
         self._most, self._held = most, 0
-        self._found: OrderedDict[object, Array] = OrderedDict()
+        self._found: OrderedDict[object, NDArray[Any]] = OrderedDict()
         self._lock = Lock()
 
     def __reduce__(self) -> tuple[type["Cache"], tuple[int]]:
         return Cache, (self._most,)
 
-    def get(self, key: object, make: Callable[[], Array]) -> Array:
+    def get(self, key: object, make: Callable[[], NDArray[Any]]) -> NDArray[Any]:
         """The array of a key, computed if necessary; it must not be changed."""
         with self._lock:
             if key in self._found:

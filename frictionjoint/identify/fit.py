@@ -19,7 +19,7 @@ from frictionjoint.identify.timing import Timing
 IN_MOTION = 0.5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     """A fitted model.
 

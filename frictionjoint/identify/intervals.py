@@ -1,5 +1,7 @@
 """Intervals from samples that are not independent: of parameters, and of an rms."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.uncertainty import covariance
 
 
+@lru_cache(maxsize=8)
 def stated_covariance(prepared: Prepared, fitted: Fit) -> Array:
     """Covariance of a fit's parameters for the report, by its own blocks.
 

@@ -35,7 +35,7 @@ def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment
     torque = X @ taken / beta[0]
     filled, begin = X.copy(), 0
     for segment in segments:
-        signals = segment.signals[:: segment.step][segment.kept]
+        signals = segment.kept_signals.copy()
         end = begin + len(signals)
         signals[:, MOTOR] = torque[begin:end]
         for i in at:

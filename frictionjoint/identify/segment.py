@@ -141,6 +141,11 @@ class Segment:
         """A quantity at the kept samples, not filtered."""
         return np.asarray(x[:: self.step][self.kept])
 
+    @cached_property
+    def kept_signals(self) -> Array:
+        """The signals at the kept samples, not filtered."""
+        return self.at_kept(self.signals)
+
     @property
     def filter(self) -> LowPass:
         """The filter of the balance."""
@@ -167,7 +172,7 @@ class Segment:
         return replace(self, mask=self.mask & clear)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prepared:
     """All logs of a fit.
 
@@ -300,7 +305,7 @@ class Prepared:
 
     @cached_property
     def columns(self) -> Cache:
-        """Cache of columns that change neither with a law nor with weights or initial states."""
+        """Cache of arrays that change neither with a law nor with weights or initial states."""
         return Cache(12_000_000)
 
     def begun(self, segments: Sequence[Segment]) -> "Prepared":

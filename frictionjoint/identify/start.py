@@ -7,6 +7,7 @@ properties of the log, like its first position, so they are estimated for predic
 """
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -206,6 +207,7 @@ class Prediction(NamedTuple):
         return found if found.any() else ~found
 
 
+@lru_cache(maxsize=8)
 def predict(prepared: Prepared, fitted: Fit) -> Prediction:
     """Prediction of a fit for logs, without refitting; their initial states are estimated."""
     law = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
