@@ -175,6 +175,8 @@ def test_no_figure_is_impossible(size: float, off: float, at_rest: float, model:
         assert any("known drive" in x or "next to nothing" in x for x in found.notes)
     else:
         assert judged.torque_percent <= 1000.0
+        said = any("more than the whole drive" in x for x in found.notes)
+        assert said == (judged.torque_percent > 100.0)
     if judged.replay_rms is not None:
         assert judged.replay_rms <= np.ptp(position)
 

@@ -50,7 +50,9 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
     Args:
         cov: of all parameters of the final fit. load_shows: whether its drive grows with the load.
     """
+    sight, too_short = _sight_note(found), found.sight.too_short
     return (
+        *(sight if too_short else ()),
         *scale_note(found.final, found.prepared.slide),
         *inertia_note(found.prepared, found.final),
         *(() if load_shows else (NO_LOAD,)),
@@ -62,9 +64,9 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *_constraint_note(found),
         *timing_note(found.final, cov),
         *_rest_note(found),
-        *_sight_note(found),
         *_laws_note(found),
         *((HELD,) if found.prepared.band.zero_order_hold else ()),
+        *(() if too_short else sight),
     )
 
 

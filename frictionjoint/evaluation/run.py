@@ -268,6 +268,11 @@ def _of_joint(
         notes[f"{joint}: no part of the logs has a known drive: no torque error is stated."] = None
     elif torque <= 10.0 * size:  # a larger percentage only means that the drive is off
         percent = 100.0 * torque / size
+        if percent > 100.0:
+            notes[
+                f"{joint}: the model errs by more than the whole drive: check signs, units and the "
+                "columns of the logs, and the masses of the model."
+            ] = None
     else:
         notes[
             f"{joint}: the drive in the logs is next to nothing, {size:.3g} {unit} rms, and "

@@ -232,7 +232,9 @@ def _urdf(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.
     note = f"{task.path.name} with the joints' friction as far as URDF has it, by frictionjoint"
     text = urdf_text(task.spec().compile(), plain, note)
     model = mujoco.MjModel.from_xml_string(text)
-    model.opt.timestep = task.spec().option.timestep
+    model.opt.timestep = step = float(task.spec().option.timestep)
+    # a URDF does not state how firmly friction holds: the losses are those of friction as in MJCF
+    model.dof_solimp[:, :2], model.dof_solref[:] = 0.9999, (2.0 * step, 1.0)
     return text, model
 
 
@@ -292,6 +294,8 @@ def _lost(
         armature = float(bare.dof_armature[bare.joint(name).dofadr[0]]) + p.armature
         if task.target == "urdf" and armature != 0.0:
             what.append(f"rotor inertia {armature:.4g}")
+        if task.target == "urdf" and p.coulomb > 0.0:
+            what.append("how firmly friction holds (soft by default in MuJoCo)")
         if what:
             found.append(f"{name}: {', '.join(what)}")
     return found
