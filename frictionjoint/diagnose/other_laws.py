@@ -143,7 +143,9 @@ class OtherLaws:
         return [p.search.result(p.x) for p in places if p.cost <= most]
 
     def do_without(self, prepared: Prepared, before: Fit, after: Fit) -> bool:
-        """Whether another law leaves no more than a changed model, and does not need the change.
+        """Whether another law fits better than the model before a change, and does not need it.
+
+        A change that leaves less than half of what every law leaves without it is needed.
 
         Args:
             prepared: logs with the weights of the model before, which favour neither.
@@ -153,10 +155,12 @@ class OtherLaws:
             self._fit_all(prepared, before)
         others = [f for f in self._fits if f.shape.variables not in self._own]
         best = best_of(others, lambda f: f.drive_rms)
-        if best.drive_rms > refit(prepared, after.terms, after.shape, ROUGH).drive_rms:
+        changed = refit(prepared, after.terms, after.shape, ROUGH)
+        now, its, most = (f.drive_rms**2 for f in (before, best, changed))
+        if its > now or most < APART * its:
             return False
-        changed = refit(prepared, after.effects, best.shape, ROUGH)
-        return changed.drive_rms**2 > (1.0 - SMALLEST_GAIN) * best.drive_rms**2
+        needed = refit(prepared, after.effects, best.shape, ROUGH)
+        return needed.drive_rms**2 > (1.0 - SMALLEST_GAIN) * its
 
     def _refitted(
         self, prepared: Prepared, effects: tuple[Term, ...], but: Sequence[tuple[str, ...]]

@@ -54,8 +54,8 @@ def _leave_out_undetermined(state: State) -> list[Term]:
 
     One without which held-out prediction gets worse stays in the model, and the report says that
     its size is open: several such effects carry the evidence together, or the law could replace it
-    only where its own numbers end. But with an error above its size it may be anything, such as the
-    law's own error in another form, and predicts in other motion what these logs do not show.
+    only where its own numbers end. But where the logs determine no effect, one with an error above
+    its size may be anything, such as the law's own error in another form.
 
     Returns:
         those that stay.
@@ -67,7 +67,7 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         fits = {term: without(state, term) for term in unsure}
         idle = [f for f in fits.values() if not needed(now, scored(f, blocks))]
         least = min(unsure, key=lambda term: unsure[term])
-        if not idle and unsure[least] >= 1.0:
+        if not idle and (unsure[least] >= 1.0 or len(unsure) < len(state.fit.effects)):
             break
         fewer = best_of(idle, lambda f: f.drive_rms) if idle else fits[least]
         state.prepared, state.fit = reweighed(state.prepared, fewer)
