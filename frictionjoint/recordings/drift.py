@@ -2,7 +2,7 @@
 
 The change of each friction parameter is compared with the errors of the report and of the new logs,
 and with the usual difference between recordings. The parameter is *confirmed*, *changed*, or *not
-resolvable*: the new logs could not detect a change by half of its value.
+resolvable*: the new logs could not detect a change by half of its value. Less than 5% is no change.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,7 @@ from scipy.stats import t
 
 from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.errors import ParameterError
+from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
 from frictionjoint.recordings.estimate import Estimates, Known, estimate
@@ -87,7 +88,9 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
         if blind:
             return "not resolvable"
         limit = float(t.isf(SIGNIFICANCE / (2.0 * tested), dof))
-        return "changed" if abs(now - before) > limit * sd else "confirmed"
+        # no law is exact: motion of another kind moves a parameter by the error of the law
+        least = max(limit * sd, STICKING_ERROR * abs(before))
+        return "changed" if abs(now - before) > least else "confirmed"
 
     return [Drift(*row[:4], state=state(*row[1:])) for row in rows]
 

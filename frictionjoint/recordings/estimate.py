@@ -29,8 +29,10 @@ from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.motion import grid_steps
 from frictionjoint.identify.segment import A_BALANCE
+from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
+from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.measured.derivatives import motion_band, on_a_grid, position_noise
 from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
@@ -121,9 +123,11 @@ def estimate(known: Known, log: JointLog) -> Estimates:
     if not numbers:
         raise ParameterError("the friction has no number to compare: all are zero or shapes")
     parts = [_Part.of(known, part) for part in split_at_gaps(log)]
-    prior = np.maximum(PRIOR_SIZE * np.abs(known.values), PRIOR_ERRORS * known.stderr)
-    step: Array = np.zeros(len(numbers))
-    influence: Array = np.zeros((sum(part.blocks for part in parts), len(numbers)))
+    sizes = np.maximum(PRIOR_SIZE * np.abs(known.values), PRIOR_ERRORS * known.stderr)
+    # the last parameter is a time offset of less than a sample between drive and position
+    prior = np.append(sizes, np.median(np.diff(log.time)))
+    step: Array = np.zeros(len(prior))
+    influence: Array = np.zeros((sum(part.blocks for part in parts), len(prior)))
     for variance, signs, weight in _EXTRAPOLATED:
         for sign in signs:
             added = sign * np.sqrt(variance)
@@ -137,18 +141,19 @@ def estimate(known: Known, log: JointLog) -> Estimates:
                 measured, independent = balances, one.independent
     m = int(np.sum(np.any(influence != 0.0, axis=1)))
     dof = float(max(1, m - len(numbers)))
+    independent = independent[:-1]
     v = np.concatenate([x.velocity for x in measured])
     speed = float(np.mean(np.abs(v)))
     temperature = np.nan if log.temperature is None else float(np.mean(log.temperature))
     return Estimates(
         log=log.name,
         numbers=tuple(numbers),
-        value=known.values + step,
-        stderr=np.sqrt(np.sum(influence**2, axis=0) * m / dof),
+        value=known.values + step[:-1],
+        stderr=np.sqrt(np.sum(influence[:, :-1] ** 2, axis=0) * m / dof),
         independent=independent,
         dof=dof,
         # as for independent samples, an upper limit of the information in the recording
-        informed=np.clip(1.0 - (independent / prior) ** 2, 0.0, 1.0),
+        informed=np.clip(1.0 - (independent / sizes) ** 2, 0.0, 1.0),
         temperature=temperature,
         load=float(np.mean(np.abs(np.concatenate([x.acted for x in measured])))),
         speed=speed,
@@ -193,14 +198,16 @@ class _Balance(NamedTuple):
     """Torque balance of a part at n samples.
 
     Attributes:
-        by: derivatives of the residual by the p parameters, shape (n, p).
+        by: derivatives of the residual by the p parameters and the time offset, shape (n, p + 1).
         residual: torque that the model requires less the torque that acted, shape (n,).
+        missed: rms error of the law itself, N m (N), 0 in sliding, shape (n,).
         block: index of each sample's block. blocks: number of blocks.
         acted, velocity: at each sample, shape (n,).
     """
 
     by: Array
     residual: Array
+    missed: Array
     block: Index
     blocks: int
     acted: Array
@@ -217,17 +224,21 @@ class _Step(NamedTuple):
 
 def _solve(balances: Sequence[_Balance], prior: Array) -> _Step:
     """The least-squares step of one set of balances."""
-    J, r = (np.concatenate([getattr(x, k) for x in balances]) for k in ("by", "residual"))
+    keys = "by", "residual", "missed"
+    J, r, missed = (np.concatenate([getattr(x, k) for x in balances]) for k in keys)
     step: Array = np.zeros(len(prior))
-    variance = float(np.mean(r**2))
-    for _ in range(3):  # the residual variance and the step depend on each other
-        precision = J.T @ J / variance + np.diag(prior**-2.0)
-        step = np.asarray(np.linalg.solve(precision, -J.T @ r / variance), dtype=np.float64)
-        variance = float(np.mean((r + J @ step) ** 2)) + 1e-300
+    w = 1.0 * (missed == 0.0) if np.any(missed == 0.0) else np.ones(len(r))
+    variance = float(np.average(r**2, weights=w))
+    for _ in range(8):  # the residual variance, the weights and the step depend on each other
+        w = variance / (variance + missed**2)
+        precision = (J.T * w) @ J / variance + np.diag(prior**-2.0)
+        step = np.asarray(np.linalg.solve(precision, -(J.T * w) @ r / variance), dtype=np.float64)
+        variance = float(np.average((r + J @ step) ** 2, weights=w)) + 1e-300
     scores = []
     for x in balances:
         score = np.zeros((x.blocks, len(prior)))
-        np.add.at(score, x.block, x.by * (x.residual + x.by @ step)[:, None])
+        own = variance / (variance + x.missed**2) * (x.residual + x.by @ step)
+        np.add.at(score, x.block, x.by * own[:, None])
         scores.append(score / variance)
     inverse = np.linalg.inv(precision)
     return _Step(step, -np.concatenate(scores) @ inverse, np.sqrt(np.diag(inverse)))
@@ -269,11 +280,23 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
             columns.append(recording.filter(moved - law) / by)
         else:
             columns.append((needed(other)[0] - base) / by)
+    columns.append(-np.gradient(acted, recording.step))
     every = max(1, int(1.0 / (A_BALANCE * recording.smooth.corner_hz * recording.step)))
     kept = np.flatnonzero(recording.known[known.joint])[::every]
+    # in presliding the position hardly determines the torque, and the error of the law is largest
+    sticks = _from_reversal(q) <= presliding_distance(own.parameters, 0.99)
+    missed = (sticks * STICKING_ERROR * float(np.max(np.abs(law))))[kept].astype(np.float64)
     block = (recording.time[kept] / part.block).astype(int)
     J, residual = np.column_stack(columns)[kept], (base - acted)[kept]
-    return _Balance(J, residual, block, part.blocks, acted[kept], velocity[kept])
+    return _Balance(J, residual, missed, block, part.blocks, acted[kept], velocity[kept])
+
+
+def _from_reversal(q: Array) -> Array:
+    """Distance from the last reversal of a position, rad (m), shape (n,)."""
+    step = np.diff(q, prepend=q[0])
+    path, turned = np.cumsum(np.abs(step)), np.flatnonzero(step[1:] * step[:-1] <= 0.0) + 1
+    last = np.concatenate([[0], turned])[np.searchsorted(turned, np.arange(len(q)), side="right")]
+    return np.asarray(path - path[last])
 
 
 def _with_friction(known: Known, friction: JointFriction) -> str:
