@@ -31,8 +31,9 @@ def drift(
     """State which friction numbers of a report are confirmed by new logs and which have changed.
 
     Exit code 1 if a number has changed by more than all errors explain, for maintenance scripts.
-    *Not resolvable*: the new logs would not show a change by half of the number. Logs of target and
-    position are compared by the controller of the report, or by --controller.
+    Less than 5% is within the error of any law. *Not resolvable*: the new logs would not show a
+    change by half of the number. Logs of target and position are compared by the controller of the
+    report, or by --controller.
 
     Example: `frictionjoint drift report today.csv`
     """
