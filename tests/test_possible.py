@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from frictionjoint.diagnose.possible import LEAST_ACTING, impossible
+from frictionjoint.diagnose.possible import LEAST_ACTING, exceeding_friction, impossible
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import needed
 from frictionjoint.effects.drive_limit import EFFECT as LIMITED
@@ -82,4 +82,4 @@ def test_no_part_of_friction_is_larger_than_all_friction(size, tau, tmp_path):
     prepared = logged(tmp_path, torque + rng.normal(0.0, 0.02, len(T)))
     term = EffectTerm(LAG, (tau, 0.2 * np.abs(V).max(), 1e-6))
     found = refit(prepared, (term,), fit(prepared).shape)
-    assert (LAG.name in impossible(found, make_blocks(prepared, found))) == (size > 1.5)
+    assert [t.name for t in exceeding_friction(found)] == [LAG.name] * (size > 1.5)

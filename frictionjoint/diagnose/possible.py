@@ -11,7 +11,7 @@ from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import shape_limits
-from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 
 # of a drive, what must act: a limit may leave little of what high gains ask for, but not nothing
 LEAST_ACTING = 0.01
@@ -25,8 +25,8 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
     such bound: there an effect has another form, or vanishes. For discontinuous effects,
     derivatives say too little.
 
-    An effect is impossible too if it reverses friction, which must dissipate energy, if it is more
-    friction than the joint ever has, or if it leaves no drive although the joint moves.
+    An effect is impossible too if it reverses friction, which must dissipate energy, or if it
+    leaves no drive although the joint moves.
     """
     if fitted.acting < LEAST_ACTING:
         return frozenset(t.name for t in fitted.terms if isinstance(t, DriveTerm))
@@ -37,7 +37,7 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
         for k, outward in _at_ends(fitted, i, term)
         if _leaves(fitted, blocks, k, outward)
     )
-    return beyond.union(_turn_friction_round(fitted, blocks), _exceed_friction(fitted))
+    return beyond.union(_turn_friction_round(fitted, blocks))
 
 
 def _turn_friction_round(fitted: Fit, blocks: Blocks) -> Iterator[str]:
@@ -63,11 +63,12 @@ def _turn_friction_round(fitted: Fit, blocks: Blocks) -> Iterator[str]:
         yield from (fitted.terms[i].name for i, w in changes.items() if w[turned].sum() < 0.0)
 
 
-def _exceed_friction(fitted: Fit) -> Iterator[str]:
-    """Names of effects that are a part of friction, and larger than all friction in the logs.
+def exceeding_friction(fitted: Fit) -> Iterator[Term]:
+    """Effects that are a part of friction, and larger than all friction in the logs.
 
     Only a small part of such an effect acts in the logs. Where friction falls faster than they
-    resolve, the error has the form of a lag, too short and many times too large.
+    resolve, the error has the form of a lag, too short and many times too large. During a search it
+    may stand for what is still to be found, so only a result must not contain it.
     """
     scaling = [i for i, t in enumerate(fitted.terms) if t.follows_law]
     whole = fitted.friction + sum(fitted.term_torque(i) for i in scaling)
@@ -75,7 +76,7 @@ def _exceed_friction(fitted: Fit) -> Iterator[str]:
         effect = fitted.terms[i].effect
         parts = zip(effect.units, effect.bounds, fitted.term_coefficients(i), strict=False)
         if any(u == "T" and low == 0.0 and c > np.max(np.abs(whole)) for u, (low, _), c in parts):
-            yield effect.name
+            yield fitted.terms[i]
 
 
 def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float]]:

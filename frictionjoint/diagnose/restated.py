@@ -27,6 +27,7 @@ from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.look_without import look_without
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked
+from frictionjoint.diagnose.possible import exceeding_friction
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
 from frictionjoint.identify.blocks import halves
@@ -61,7 +62,7 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         those that stay.
     """
     changed = False
-    while unsure := undetermined(state.prepared, state.fit):
+    while unsure := _unsure(state):
         blocks = state.blocks
         now = scored(state.fit, blocks)
         fits = {term: without(state, term) for term in unsure}
@@ -75,6 +76,13 @@ def _leave_out_undetermined(state: State) -> list[Term]:
     if changed:
         drop_idle(state)
     return list(unsure)
+
+
+def _unsure(state: State) -> dict[Term, float]:
+    """Effects whose sizes are open, with the distance from zero in standard errors; 0 if a size is
+    more than the joint's friction."""
+    beyond = dict.fromkeys(exceeding_friction(state.fit), 0.0)
+    return undetermined(state.prepared, state.fit) | beyond
 
 
 def _tied(finding: Finding, unsure: list[Term]) -> Finding:
