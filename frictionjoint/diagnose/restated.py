@@ -68,7 +68,9 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         fits = {term: without(state, term) for term in unsure}
         idle = [f for f in fits.values() if not needed(now, scored(f, blocks))]
         least = min(unsure, key=lambda term: unsure[term])
-        if not idle and (unsure[least] >= 1.0 or len(unsure) < len(state.fit.effects)):
+        # a size beyond all friction is none, whatever the model has besides
+        open_size = unsure[least] >= 1.0 or len(unsure) < len(state.fit.effects)
+        if not idle and unsure[least] > 0.0 and open_size:
             break
         fewer = best_of(idle, lambda f: f.drive_rms) if idle else fits[least]
         state.prepared, state.fit = reweighed(state.prepared, fewer)
