@@ -9,10 +9,12 @@ import pytest
 import frictionjoint as fj
 from frictionjoint import close_loop, uninstall
 from frictionjoint.decisions import CLEARLY
+from frictionjoint.effects.load_dependent import EFFECT as LOAD_DEPENDENT
 from frictionjoint.identify.assumptions import (
     shortest,
     with_assumed_breakaway,
     with_assumed_damping,
+    with_assumed_level,
     with_assumed_stiffness,
 )
 from frictionjoint.identify.base_fit import base_fit
@@ -22,12 +24,17 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog
 from frictionjoint.report.numbers import status_of
 
 DT, N, LEVEL, COUNT = 2e-3, 4000, 0.5, 1e-4
 JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 0 1"/>
 <inertial mass="1" pos="0 0 0" diaginertia="0.05 0.05 0.05"/></body></worldbody></mujoco>"""
+
+PENDULUM = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>
+<inertial mass="1" pos="0 0 -0.2039" diaginertia="0.0584 0.0584 0.0584"/></body></worldbody>
+</mujoco>"""
 
 
 def log(stiffness: float, seed: int = 1, noise: float = 2e-3) -> JointLog:
@@ -87,6 +94,27 @@ def test_without_a_coulomb_level_no_stiffness_is_assumed_and_the_joint_does_not_
     assert not found.shape.stiffness_assumed
     (said,) = assumed_note(found, False)
     assert "no Coulomb friction" in said
+
+
+def test_friction_that_would_vanish_with_the_load_gets_a_level():
+    t = DT * np.arange(N)
+    q = 1.0 + 0.5 * np.sin(2.0 * np.pi * 0.3 * t) + 0.2 * np.sin(2.0 * np.pi * 0.8 * t)
+    v = np.gradient(q, DT)
+    load = 0.1 * np.gradient(v, DT) + 2.0 * np.sin(q)
+    # a little less where the load is small: the fitted level is zero, not just small
+    friction = (0.2 * np.abs(load) - 0.02) * np.tanh(v / 1e-3)
+    noise = 2e-3 * np.random.default_rng(0).standard_normal(N)
+    log = JointLog(name="1", joint="j", time=t, position=q, torque=load + friction + noise)
+    prepared, base = base_fit(prepare([log], RigidBody(PENDULUM, "j")), "integrated")
+    term = EffectTerm(LOAD_DEPENDENT, (1e-4,))
+    bare = refit(prepared, (term,), base.shape)
+    assert not bare.has_level
+    _, found = with_assumed_level(prepared, bare)
+    assert found.has_level
+    assert found.level_assumed
+    assert found.drive_rms <= bare.drive_rms / (1.0 - CLEARLY)
+    assert law_estimates(found, stated_covariance(prepared, found), False)["Fc_pos"].stderr is None
+    assert [n for n in assumed_note(found, False) if "unloaded joint is assumed" in n]
 
 
 def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes():

@@ -63,9 +63,9 @@ def finish_search(
     if state.fit.effects or not_given:
         findings = _settled(state, replayed, by_motion, rng)
     prepared, base = with_last_freedoms(*alone)
-    base = with_assumptions(prepared, base)
+    prepared, base = with_assumptions(prepared, base)
     if findings or not_given:
-        state.fit = with_assumptions(state.prepared, state.fit)
+        state.prepared, state.fit = with_assumptions(state.prepared, state.fit)
     else:
         state.prepared, state.fit = prepared, base
     return Trace(

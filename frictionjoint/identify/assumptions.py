@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.decisions import CLEARLY
-from frictionjoint.effects.signals import A
+from frictionjoint.effects.signals import GEAR, A
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
@@ -16,16 +16,37 @@ from frictionjoint.identify.shape import IntegratedShape
 from frictionjoint.identify.terms import EffectTerm
 
 
-def with_assumptions(prepared: Prepared, fitted: Fit) -> Fit:
-    """The same fit with assumptions about what the logs do not determine.
+def with_assumptions(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    """The same logs and fit with assumptions about what the logs do not determine.
 
     A parameter that they do not determine may have any value in a fit, and a model with that value
     may creep, ring or jam at rest. An assumption is made if the residual is not clearly larger than
     without it.
     """
-    for assume in (with_assumed_stiffness, with_assumed_breakaway, with_assumed_damping):
+    for assume in (with_assumed_stiffness, with_assumed_breakaway):
         fitted = assume(prepared, fitted)
-    return fitted
+    # fitted with these, a level that the logs do not determine may vanish
+    prepared, fitted = with_assumed_level(prepared, fitted)
+    return prepared, with_assumed_damping(prepared, fitted)
+
+
+def with_assumed_level(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    """The same fit with an assumed Coulomb level, if friction would vanish with the load.
+
+    Seals and preload make friction in every unloaded joint, but a joint that is always loaded does
+    not show it. The assumed level is half of the friction by load, or half as much and so on, until
+    the logs allow it.
+    """
+    loads = [i for i, t in enumerate(fitted.terms) if t.follows_law and GEAR in t.effect.needs]
+    if fitted.has_level or not loads:
+        return prepared, fitted
+    by_load = root_mean_square(fitted.term_torque(loads[0])[fitted.in_motion]) / fitted.gain
+    for part in (0.5, 0.25, 0.12, 0.06, 0.03):
+        bounded = replace(prepared, least_level=part * by_load)
+        found = refit(bounded, fitted.terms, fitted.shape, ROUGH)
+        if _allowed(found, fitted):
+            return bounded, found
+    return prepared, fitted
 
 
 def with_assumed_stiffness(prepared: Prepared, fitted: Fit) -> Fit:

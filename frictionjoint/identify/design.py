@@ -17,7 +17,7 @@ from frictionjoint.effects.signals import H
 from frictionjoint.identify.basis import lengths
 from frictionjoint.identify.bundle import Bundle, Spectra
 from frictionjoint.identify.law_signals import columns_of_term, with_track
-from frictionjoint.identify.layout import LEAST_LEVEL, Layout, layout_of, term_bounds
+from frictionjoint.identify.layout import Layout, layout_of, term_bounds
 from frictionjoint.identify.motor_torque import with_motor
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
@@ -319,7 +319,7 @@ def _with(shape: tuple[float, ...], j: int, x: float) -> tuple[float, ...]:
 
 def coefficient_bounds(prepared: Prepared, layout: Layout) -> tuple[Array, Array]:
     """Physical signs: levels and gains are positive, terms have the bounds of their effects."""
-    least = {"load": 1e-12, "Fc": LEAST_LEVEL, "sigma1": 0.0, "sigma2": 0.0}
+    least = {"load": 1e-12, "Fc": prepared.least_level, "sigma1": 0.0, "sigma2": 0.0}
     pairs = [(least[name], np.inf) for name in layout.base]
     for term in layout.terms:
         pairs += term_bounds(prepared, term)

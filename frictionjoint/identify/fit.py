@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.basis import lengths, without
-from frictionjoint.identify.layout import LEAST_LEVEL, Layout
+from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.load_coefficients import with_load
-from frictionjoint.identify.segment import Drive
+from frictionjoint.identify.segment import LEAST_LEVEL, Drive
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.timing import Timing
@@ -165,6 +165,11 @@ class Fit:
     def has_level(self) -> bool:
         """Whether the logs show a Coulomb level; if not, the level is at its bound."""
         return float(self.beta[self.names.index("Fc")]) > 2.0 * LEAST_LEVEL
+
+    @property
+    def level_assumed(self) -> bool:
+        """Whether the Coulomb level is assumed, see `assumptions.with_assumed_level`."""
+        return self.has_level and bool(self.bound[self.names.index("Fc")])
 
     def term_coefficients(self, i: int) -> Array:
         """Coefficients of term i in N m per unit of their columns."""

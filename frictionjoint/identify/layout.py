@@ -10,9 +10,6 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.terms import Term
 
-# bound of the Coulomb level, in units of the drive: a law needs one above zero
-LEAST_LEVEL = 1e-12
-
 
 @dataclass(frozen=True)
 class Layout:

@@ -50,6 +50,11 @@ def assumed_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
         )
     shape = fitted.shape
     found = []
+    if fitted.level_assumed:
+        found.append(
+            "The Coulomb friction of the unloaded joint is assumed: these logs do not determine "
+            "it, because they always load the joint. Record motion with less load."
+        )
     if shape.stiffness_assumed:
         found.append(
             "The presliding stiffness is assumed: these logs do not determine it. It is as high as "

@@ -120,6 +120,7 @@ def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
     flat = bool(rises) and max(rises) <= 1.0 + 1e-3
     units, shape = units_of(fitted, slide), fitted.shape
     assumptions = {"stiffness": shape.stiffness_assumed, "Fs": shape.breakaway_assumed}
+    assumptions["Fc"] = fitted.level_assumed
     found = {}
     for name, value in values.items():
         symbol = name.partition("_")[0]

@@ -113,7 +113,7 @@ def identify_law(
     check_balance(prepared)
     prepared, fitted = base_fit(prepared, law, progress)
     prepared, fitted = with_last_freedoms(prepared, fitted)
-    fitted = with_assumptions(prepared, fitted)
+    prepared, fitted = with_assumptions(prepared, fitted)
     check_fit(prepared, fitted)
     if not scale_is_determined(prepared, fitted):
         fitted = without_scale(fitted)

@@ -29,6 +29,8 @@ from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, gentle,
 
 # samples in a period of the balance's corner: with less, what the filter passes is folded back
 A_BALANCE = 4.0
+# bound of the Coulomb level, in units of the drive: a law needs one above zero
+LEAST_LEVEL = 1e-12
 # what a log holds of the motor, the one to be preferred first
 Drive = Literal["torque", "voltage", "current"]
 
@@ -186,6 +188,8 @@ class Prepared:
         nothing: names of time offsets that are assumed to be zero: see `starts.with_times`, or
             because an inertia error was found in these logs.
         slow: whether the speeds hardly exceed the Stribeck velocity, see `base_fit`.
+        least_level: bound of Fc in units of the drive; more than nothing is assumed, see
+            `assumptions.with_assumed_level`.
     """
 
     segments: tuple[Segment, ...]
@@ -196,6 +200,7 @@ class Prepared:
     let_go: bool = False
     nothing: frozenset[str] = frozenset()
     slow: bool = False
+    least_level: float = LEAST_LEVEL
 
     def __len__(self) -> int:
         return len(self.segments)

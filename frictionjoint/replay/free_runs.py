@@ -140,6 +140,7 @@ def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     remove_assumed(spec, joint)
     shape = fitted.shape
     parts = {
+        "the Coulomb friction without load": fitted.level_assumed,
         "the stiffness before sliding": shape.stiffness_assumed,
         "the damping before sliding": bool(shape.damping),
         "the breakaway friction": shape.breakaway_assumed,
