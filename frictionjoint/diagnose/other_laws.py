@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import APART, CLEARLY, SMALLEST_GAIN
+from frictionjoint.decisions import APART, CLEARLY, SMALLEST_GAIN, TIE
 from frictionjoint.identify.base_fit import CONSTRAINT, better_form
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.fit import Fit
@@ -145,7 +145,8 @@ class OtherLaws:
     def do_without(self, prepared: Prepared, before: Fit, after: Fit) -> bool:
         """Whether another law fits better than the model before a change, and does not need it.
 
-        A change that leaves less than half of what every law leaves without it is needed.
+        A change that leaves less than half of what every law leaves without it is needed. One that
+        leaves less than they do is refused only if it takes hardly anything from the other law.
 
         Args:
             prepared: logs with the weights of the model before, which favour neither.
@@ -160,7 +161,8 @@ class OtherLaws:
         if its > now or most < APART * its:
             return False
         needed = refit(prepared, after.effects, best.shape, ROUGH)
-        return needed.drive_rms**2 > (1.0 - SMALLEST_GAIN) * its
+        least = SMALLEST_GAIN if most > its else TIE
+        return needed.drive_rms**2 > (1.0 - least) * its
 
     def _refitted(
         self, prepared: Prepared, effects: tuple[Term, ...], but: Sequence[tuple[str, ...]]
