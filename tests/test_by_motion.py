@@ -1,10 +1,10 @@
 """Effects that simulated motion names besides the balance, on servos simulated by MuJoCo."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from law_shapes import law_at
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.by_motion import named_by_motion
@@ -36,7 +36,7 @@ def named(friction, armature="0.01", motions=(steps, sines, swept)):
         for m in motions
     ]
     prepared = prepare(logs, body, controller=KNOWN)
-    fitted = refit(prepared, MOTOR, law_at(INTEGRATED[0], 0.1, 0.002), ROUGH)
+    fitted = refit(prepared, MOTOR, replace(INTEGRATED[0], Vs=0.1, length=0.002), ROUGH)
     look = Look((), np.zeros(0), 0.0)
     row = Looked(Candidate(MOTOR[0], np.zeros((0, 0))), np.zeros(0), 0.001, 1.0)
     own = Finding(MOTOR[0], look, row, 1.0, (), (), fitted)

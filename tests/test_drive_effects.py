@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from law_shapes import law_at
 from servo_plant import KNOWN, PLANT, logs, sines
 
 from frictionjoint.control import Controller
@@ -37,7 +36,7 @@ def looked_at(made):
     body = RigidBody(PLANT.format(""), "j")
     prepared = prepare(made, body, controller=KNOWN)
     speed = max(float(np.abs(np.gradient(log.position, log.time)).max()) for log in made)
-    law = law_at(INTEGRATED[0], 0.02 * speed, 1e-3 * 2.0)
+    law = replace(INTEGRATED[0], Vs=0.02 * speed, length=2e-3)
     base = refit(prepared, (EMF_TERM,), law, ROUGH)
     return made, body, prepared, base, look_at_drive(prepared, base, np.random.default_rng(0))
 
@@ -121,7 +120,7 @@ def test_a_gain_that_is_not_known_is_found_by_the_load_or_friction_is_over_it():
     body = RigidBody(PLANT.format(""), "j")
     unknown = Controller(output="torque_nm", kp="unknown")
     prepared = prepare([log], body, controller=unknown)
-    fitted = refit(prepared, (), law_at(INTEGRATED[0], 0.1, 0.002), ROUGH)
+    fitted = refit(prepared, (), replace(INTEGRATED[0], Vs=0.1, length=0.002), ROUGH)
     found = found_controller(unknown, fitted, scaled=True)
     assert found.kp == pytest.approx(3.0, rel=0.03)
     assert units_of(fitted, slide=False) == ("N m", "rad")

@@ -60,13 +60,16 @@ def test_a_breakaway_friction_that_hangs_on_the_law_is_not_certain(tmp_path):
     assert wide["stiffness"].stderr == pytest.approx(narrow["stiffness"].stderr, rel=1e-3)
 
 
+def static(logs):
+    base = fit(logs, forms=forms_of("static"))
+    laws = OtherLaws(logs, base)
+    laws.follow(logs, base)
+    return base, laws
+
+
 def test_an_effect_that_another_law_does_without_is_told(prepared):
-    """LuGre friction without a spring, fitted by a static law with either."""
-    base = fit(prepared, forms=forms_of("static"))
-    laws = OtherLaws(prepared, base)
-    laws.follow(prepared, base)
-    dwell = EffectTerm(DWELL_TIME, (0.2, 1e-3, 1e-4))
-    with_dwell = refit(prepared, (dwell,), base.shape)
+    base, laws = static(prepared)
+    with_dwell = refit(prepared, (EffectTerm(DWELL_TIME, (0.2, 1e-3, 1e-4)),), base.shape)
     assert with_dwell.drive_rms < base.drive_rms
     assert laws.do_without(prepared, base, with_dwell)
 
@@ -75,7 +78,5 @@ def test_an_effect_that_every_law_needs_stays(tmp_path):
     motions = (Motion("sines", 1, 0.8, 0.8, 8.0),)
     spring = Effect("spring", {"stiffness": 2.0, "rest": 0.0})
     logs = prepared_logs(replace(PENDULUM, motions=motions, effects=(spring,)), tmp_path)
-    base = fit(logs, forms=forms_of("static"))
-    laws = OtherLaws(logs, base)
-    laws.follow(logs, base)
+    base, laws = static(logs)
     assert not laws.do_without(logs, base, refit(logs, (EffectTerm(SPRING),), base.shape))

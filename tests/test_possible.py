@@ -74,12 +74,12 @@ def test_a_drive_of_which_nothing_acts_has_moved_nothing():
 @pytest.mark.parametrize(("size", "tau"), [(0.4, 0.05), (20.0, 0.005)], ids=["a part", "beyond"])
 def test_no_part_of_friction_is_larger_than_all_friction(size, tau, tmp_path):
     """In slow motion a lag is the size times the time constant: little acts of a large one."""
-    h, rng = T[1] - T[0], np.random.default_rng(9)
+    h = T[1] - T[0]
     slow = np.exp(-((V / (0.2 * np.abs(V).max())) ** 2))
     late = lfilter([h / tau], [1.0, h / tau - 1.0], slow, zi=[slow[0] * (1.0 - h / tau)])[0]
     level = 1.0 + 0.5 * slow + size * (late - slow)
     torque = INERTIA * A + level * np.sign(V) * np.minimum(np.abs(V) / 0.02, 1.0)
-    prepared = logged(tmp_path, torque + rng.normal(0.0, 0.02, len(T)))
-    term = EffectTerm(LAG, (tau, 0.2 * np.abs(V).max(), 1e-6))
-    found = refit(prepared, (term,), fit(prepared).shape)
+    prepared = logged(tmp_path, torque + np.random.default_rng(9).normal(0.0, 0.02, len(T)))
+    lag = EffectTerm(LAG, (tau, 0.2 * np.abs(V).max(), 1e-6))
+    found = refit(prepared, (lag,), fit(prepared).shape)
     assert [t.name for t in exceeding_friction(found)] == [LAG.name] * (size > 1.5)

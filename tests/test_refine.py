@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from law_shapes import law_at
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
@@ -36,7 +35,7 @@ def case():
     seen = fitted_logs()
     unseen = [servo("swept 1", 1.0, swept, HIDDEN, 3.0)]
     prepared = prepare(seen, body, controller=KNOWN)
-    fitted = refit(prepared, TERMS, law_at(INTEGRATED[0], 0.1, 0.002), ROUGH)
+    fitted = refit(prepared, TERMS, replace(INTEGRATED[0], Vs=0.1, length=0.002), ROUGH)
     cov = np.diag(np.full(fitted.jacobian.shape[1], 1e-4))
     courses = courses_of(seen, [body] * 3, KNOWN)
     other = courses_of(unseen, [body], KNOWN)
@@ -59,7 +58,7 @@ def test_the_refined_model_moves_nearer_on_another_gain(case):
 def test_a_damping_that_the_torque_left_open_is_found_by_the_motion():
     body = RigidBody(PLANT.format(""), "j")
     prepared = prepare(fitted_logs(), body, controller=KNOWN)
-    shape = replace(law_at(INTEGRATED[0], 0.1, 0.002), damping=0.02)
+    shape = replace(INTEGRATED[0], Vs=0.1, length=0.002, damping=0.02)
     assumed = refit(prepared, TERMS, shape, ROUGH)
     freed, begin = with_free_damping(prepared, assumed)
     assert "sigma1" in freed.names

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from law_shapes import law_at
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.control.kernel import STATE, one_tick
@@ -42,7 +41,8 @@ def test_ticks_come_at_their_rate(rate):
 def test_a_target_that_acts_within_a_sample_does_so_by_the_controller_that_is_written():
     body = RigidBody(PLANT.format(""), "j")
     logs = [servo(f"{m.__name__} 3", 3.0, m, {"delay": 0.006}, 3.0) for m in (steps, sines, swept)]
-    fitted = refit(prepare(logs, body, controller=KNOWN), MOTOR, law_at(INTEGRATED[0], 0.1, 0.002))
+    law = replace(INTEGRATED[0], Vs=0.1, length=0.002)
+    fitted = refit(prepare(logs, body, controller=KNOWN), MOTOR, law)
     found = found_controller(KNOWN, fitted, scaled=True)
     assert found.delay_s == pytest.approx(0.006, abs=0.002)
     bodies = [body] * len(logs)
