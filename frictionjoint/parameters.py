@@ -228,14 +228,15 @@ class FrictionParameters(StribeckFriction):
         """Inverse of `pack`.
 
         Raises:
-            ParameterError: the block is too short or its values are out of range.
+            ParameterError: the block is too short, its values are out of range, or the slopes in it
+                are not those of its knots.
         """
         values = [float(x) for x in block]
         n = int(values[15]) if len(values) > 15 and math.isfinite(values[15]) else -1
         if n < 1 or len(values) != 16 + 3 * n:
             raise damaged_block()
         names = [f"{name}_{side}" for side in SIDES for name in LEVELS]
-        return cls(
+        found = cls(
             **dict(zip(names, values[5:15], strict=True)),
             n=values[3],
             sigma1=values[4],
@@ -243,6 +244,9 @@ class FrictionParameters(StribeckFriction):
             variant="lampaert2002" if values[1] else "ganseman1997",
             virgin="masing" if values[2] else "literal",
         )
+        if not np.array_equal(found.pack(), values):
+            raise damaged_block()
+        return found
 
     def __repr__(self) -> str:
         given = {

@@ -31,13 +31,12 @@ def test_the_import_leaves_heavy_libraries_alone():
 
 
 def test_every_folder_of_code_is_packaged():
-    root = Path(frictionjoint.__file__).parent
-    settings = tomllib.loads((root.parent / "pyproject.toml").read_text())["tool"]["setuptools"]
-    folders = {
-        ".".join(file.parent.relative_to(root.parent).parts) for file in root.rglob("__init__.py")
-    }
+    root = Path(__file__).resolve().parents[1]
+    settings = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["setuptools"]
+    files = (root / "frictionjoint").rglob("__init__.py")
+    folders = {".".join(file.parent.relative_to(root).parts) for file in files}
     assert folders | {"frictionjoint.models"} == set(settings["packages"])
-    assert (root / "py.typed").is_file()
+    assert Path(frictionjoint.__file__).with_name("py.typed").is_file()
 
 
 def test_a_simulation_loads_no_readers_no_plots_and_no_command_line():
