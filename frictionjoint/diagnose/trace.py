@@ -49,7 +49,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import Term
-from frictionjoint.identify.weights import errors_of, reweighed, weighted
+from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.threads import one_thread, side_by_side
 
@@ -305,12 +305,12 @@ def _more(after: Fit, before: Fit, move: Move) -> list[str]:
 def _looked_at_again(
     state: State, now: Scored, tried: Sequence[Tried], best: Tried, rng: np.random.Generator
 ) -> tuple[Scored, list[Tried]]:
-    """The leading changes, screened again with common weights and with an unbiased law.
+    """The leading changes, screened again with the weights of the best one and with an unbiased
+    law.
 
     The missing effect may have biased the law, and with it the weights and the initial friction
-    states. Then the residual depends on which change was tried first; the weights of one change
-    would favour it. An unnamed dependence that the best one contains may be an effect that only an
-    unbiased law shows.
+    states. Then the residual depends on which change was tried first. An unnamed dependence that
+    the best one contains may be an effect that only an unbiased law shows.
     """
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [best, *(t for t in tried if t is not best and t.score.gain(now) >= least)]
@@ -319,15 +319,14 @@ def _looked_at_again(
     first = best_of([first, anew], lambda f: f.drive_rms)
     prepared, first = settled(*reweighed(prepared, first, ROUGH))
     blocks = state.blocks_of(prepared, first)
-    common = _in_common([prepared, *(_own_weights(t) for t in leaders[1:])])
 
     def begun(terms: tuple[Term, ...], anew: bool) -> tuple[Prepared, Scored]:
-        found = compared(common, terms, nearer(common, terms, (first.shape, state.fit.shape)))
+        found = compared(prepared, terms, nearer(prepared, terms, (first.shape, state.fit.shape)))
         if anew:
-            freed = unbent(common, terms, [forms_like(first.shape)])
+            freed = unbent(prepared, terms, [forms_like(first.shape)])
             found = best_of([found, freed], lambda f: f.drive_rms)
         swung = any(term.effect.free for term in terms)
-        own, found = settled(common, found) if swung else (common, found)
+        own, found = settled(prepared, found) if swung else (prepared, found)
         return own, scored(found, blocks)
 
     unbiased = replace(state, prepared=prepared, fit=first)
@@ -342,18 +341,6 @@ def _looked_at_again(
         (_, before), *changes = list(each(begun, models, freed))
     again = [Tried(m, *change) for m, change in zip(moves, changes, strict=True)]
     return before, [*again[:count], *unlike_a_curve(again[count:], again[0])]
-
-
-def _own_weights(tried: Tried) -> Prepared:
-    fitted = tried.score.fit
-    return weighted(tried.prepared, fitted, errors_of(tried.prepared, fitted))
-
-
-def _in_common(models: Sequence[Prepared]) -> Prepared:
-    """Logs of the first of some models, with weights of the mean of their error variances."""
-    logs = zip(*(p.segments for p in models), strict=True)
-    variances = (np.mean([np.power(s.weight, -2.0) for s in same], axis=0) for same in logs)
-    return models[0].weighed([1.0 / np.sqrt(x) for x in variances])
 
 
 def _follow(state: State) -> bool:
