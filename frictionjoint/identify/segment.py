@@ -319,7 +319,7 @@ class Prepared:
         vars(found)["columns"] = self.columns
         return found
 
-    def weighed(self, weights: Sequence[Array | None]) -> "Prepared":
+    def weighed(self, weights: Sequence[Array]) -> "Prepared":
         """The logs with other weights of their samples, shape (n,) each.
 
         Cached results stay valid: no column of a balance depends on a weight.
