@@ -92,9 +92,15 @@ def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel
             else ""
         )
         how = _how_to_balance(urdf_given) if _BALANCED in str(error) else ""
-        raise ModelError(
-            f"{source_name(model)}: MuJoCo cannot compile it: {error}{how}{looked}"
-        ) from None
+        wrong = (not text and not_xml(model)) or f"MuJoCo cannot compile it: {error}{how}{looked}"
+        raise ModelError(f"{source_name(model)}: {wrong}") from None
+
+
+def not_xml(path: str | Path) -> str:
+    """What is wrong with a file that MuJoCo cannot read, if it contains no XML; else empty."""
+    with Path(path).open("rb") as file:
+        is_xml = file.read(99).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<")
+    return "" if is_xml else "not a model: give the path of an MJCF or a URDF"
 
 
 def _how_to_balance(urdf: bool) -> str:

@@ -23,7 +23,7 @@ from frictionjoint.parameter_checks import (
     require,
     require_table,
 )
-from frictionjoint.parameter_meanings import short
+from frictionjoint.parameter_meanings import meaning, short
 
 Variant = Literal["ganseman1997", "lampaert2002"]
 Virgin = Literal["literal", "masing"]
@@ -185,9 +185,9 @@ class FrictionParameters(StribeckFriction):
     def symmetric(
         cls,
         *,
-        Fs: float,
-        Fc: float,
-        Vs: float,
+        Fs: float | None = None,
+        Fc: float | None = None,
+        Vs: float | None = None,
         delta: float = 2.0,
         sigma2: float = 0.0,
         stiffness: float | None = None,
@@ -201,13 +201,17 @@ class FrictionParameters(StribeckFriction):
             stiffness: presliding stiffness at a reversal, N m/rad, in place of `knots`: the
                 transition curve then has three segments, see `knots_of`.
         Raises:
-            ParameterError: a value out of its range, or both or neither of stiffness and knots.
+            ParameterError: Fs, Fc or Vs is missing, a value is out of its range, or both or neither
+                of stiffness and knots are given.
         """
+        levels = {"Fs": Fs, "Fc": Fc, "Vs": Vs, "delta": delta, "sigma2": sigma2}
+        missing = [f"{name} ({meaning(name)})" for name, x in levels.items() if x is None]
+        if missing:
+            raise ParameterError(f"missing parameter {', '.join(missing)}: add it")
         if (stiffness is None) == ("knots" not in others):
             raise ParameterError("give stiffness, N m/rad, or knots, not both and not neither")
         if stiffness is not None:
             others["stiffness"] = stiffness
-        levels = {"Fs": Fs, "Fc": Fc, "Vs": Vs, "delta": delta, "sigma2": sigma2}
         return cls.from_dict(levels | others)
 
     @property

@@ -92,6 +92,7 @@ def test_piped_output_is_plain_and_wide(tmp_path):
         (["close-lop"], "No such command 'close-lop'. Did you mean 'close-loop'?; see"),
         (["bogus"], "No such command 'bogus'; see frictionjoint --help"),
         (["check"], "; see frictionjoint check --help"),
+        (["check", LOG], "not a model: give the path of an MJCF or a URDF"),
     ],
 )
 def test_wrong_usage_names_the_help_to_read(arguments, line, tmp_path):

@@ -6,19 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionjoint.parameters import FrictionParameters
-from frictionjoint.rivals import DahlParameters
-
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
-
-
-def test_parameters_show_a_table():
-    own = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
-    assert "<td>Fs_pos</td><td>1.5</td>" in own._repr_html_()
-    assert (
-        "<td>law</td><td>dahl</td>"
-        in DahlParameters(Fc_pos=1.0, Fc_neg=1.0, sigma0=1e3)._repr_html_()
-    )
 
 
 def test_a_report_shows_verdict_errors_and_picture(demo_report):

@@ -12,6 +12,8 @@ GOOD = dict(Fs=5.0, Fc=3.0, Vs=0.01, knots=((1e-5, 4.0), (1e-4, 12.0)))
     ("name", "value"),
     [
         ("Fs", 0.0),
+        ("Fs", "1"),
+        ("Fc", None),
         ("Fc", 5.1),
         ("Fc", 0.0),
         ("Vs", 0.0),
@@ -47,6 +49,7 @@ def test_packs_and_writes_both_ways(variant, virgin):
     assert FrictionParameters.unpack(p.pack()) == p
     assert FrictionParameters.from_dict(p.to_dict()) == p
     assert p.stiffness == pytest.approx(4e5)
+    assert "<td>Fs_pos</td><td>5</td>" in p._repr_html_()
 
 
 def test_unknown_key_and_damaged_block():

@@ -200,7 +200,6 @@ def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
     said = {row["number"] for row in found.recordings}
     assert "sigma2" not in said
     assert "Fc" in said
-    assert "viscous friction" in found.notes[-1]
 
 
 def test_differences_within_the_error_of_a_law_are_not_stated() -> None:
@@ -223,7 +222,6 @@ def test_recordings_that_are_not_compared_are_said() -> None:
     logs = [recording(30 + i) for i in range(3)]
     deaf = with_recordings(stated, [recording(30 + i, noise=15.0) for i in range(3)])
     assert deaf.recordings == ()
-    assert "Coulomb friction" in deaf.notes[0]
     bare = [replace(x, torque=None, target=x.position) for x in logs]
     (note,) = with_recordings(stated, bare).notes
     assert "no measured drive" in note

@@ -52,6 +52,8 @@ PARTS = {
     "whole log": "<summary>The whole log</summary>",
     "interval": "95% interval",
     "evidence": "reduction of the squared residual",
+    "smallest effects": "<td>play between gear teeth</td>",
+    "other laws": "<td>integrated (used)</td>",
     "cause": "cogging, current ripple",
     "wave": "per turn, phase",
     "error against": "Error against position",
@@ -105,6 +107,7 @@ def test_the_terminal_prints_the_summary(found, capsys):
     told = capsys.readouterr().out
     assert told == noted.summary() + "\n"
     assert "* a thing [to] know\n" in told
+    assert re.search(r"^Smallest further effect .*: 0\.\d+ .*N m \(", told, re.MULTILINE)
     assert re.search(r"^Record next: +Record this$", told, re.MULTILINE)
     assert re.search(r"Coulomb friction: +1\.\d+\u00a0±", told)
 
@@ -189,8 +192,9 @@ def test_advice_names_what_these_logs_leave_open():
         (-0.231672, 0.00108, "−0.2317 ± 0.0011"),
         (5605.8, 64.9, "5606 ± 65"),
         (123456.7, 1234.0, "123500 ± 1200"),
-        (4.0, None, "4 (fixed)"),
-        (0.0, 0.7, "0.00 ± 0.70"),
+        (4.0, None, "4"),
+        (0.0, 0.7, "0 ± 0.70"),
+        (1.8e-33, 0.34, "0 ± 0.34"),
         (1.0004, 0.016, "1.000 ± 0.016"),
         (0.00012345, 0.00001, "0.000123 ± 0.000010"),
         (1.4e-13, 0.0066, "0.0000 ± 0.0066"),

@@ -96,7 +96,6 @@ def content(request):
 def errors_shown(s):
     """Every error of the drive that is shown."""
     rows = [x for e in s.errors if e.unit == s.units[0] for x in e.values.values()]
-    rows += [x for e in s.effects for x in e.error.values()]
     rows += [x for log in s.logs for x in (log.before, log.after)]
     return [x for x in rows if x is not None]
 

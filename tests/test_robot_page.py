@@ -107,6 +107,10 @@ def test_the_summary_says_what_fell_and_what_did_not(robot):
     assert "0.011 → 0.0031 rad, all joints together" in robot.summary()
     further = replace(robot, after=RobotErrors(Rms(2.0, 12.5), Rms(None, None)))
     assert "12% → 12% (mean of the joints), which is worse" in further.summary()
+    (cause,) = robot.shared
+    doubted = replace(cause, evidence=replace(cause.evidence, p_value=0.3))
+    text = replace(robot, shared=(doubted,)).summary()
+    assert "not supported by these logs: payload of gripper (p = 0.3)" in text
 
 
 def test_a_robot_says_in_a_line_what_it_is_and_draws_every_joint(robot):

@@ -11,7 +11,6 @@ from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.library import effects
-from frictionjoint.diagnose.notes import notes
 from frictionjoint.diagnose.sight import smallest
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import Q
@@ -87,16 +86,12 @@ def nothing_is_missing(found):
     # the others are compared with it
     assert law_parameters(found.final).law == "integrated"
     assert "lugre" in dict(found.other_laws.errors)
-    (note,) = (n for n in notes(found, stated_covariance(found.prepared, found.final), True)
-               if "smallest effect" in n)  # fmt: skip
-    assert "too short" not in note
     assert 0.0 < found.sight.torque < 0.1 * PLANT.friction.Fc
     # what the law imitates has to be larger than what it cannot
     sizes = {x.name: x for x in found.sight.of_each}
     assert sizes["torque-bias"].least < 2.0 * found.sight.torque
     assert sizes["torque-bias"].most < 0.5 * sizes["nonlinear-viscous"].most
     assert all(x.least <= x.most for x in sizes.values())
-    assert f"torque-bias {sizes['torque-bias'].least:.2g}" in note
 
 
 def test_the_smallest_effect_that_is_stated_would_have_been_shown(tmp_path):

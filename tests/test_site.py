@@ -10,6 +10,8 @@ DOCS = ROOT / "docs"
 README = (ROOT / "README.md").read_text()
 PAGES = sorted(DOCS.glob("*.md"))
 GENERATED = {"effects.md", "commands.md", "api.md"}
+ARM = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>
+<inertial pos="0.15 0 0" mass="0.3" diaginertia="2e-3 2e-3 2e-3"/></body></worldbody></mujoco>"""
 # words with a meaning of their own here, which a new reader does not know
 PRIVATE = re.compile(
     r"\b(told|borne out|beside|plants?|(second|third) hand|ripe|mend|hardly|swings?|thereof"
@@ -38,11 +40,15 @@ def test_a_page_uses_the_fields_words(page):
     assert [found.group() for found in PRIVATE.finditer(prose)] == []
 
 
-@pytest.mark.parametrize(
-    "command", ["pip install . && frictionjoint demo", "pip install '.[test]' && pytest"]
-)
-def test_the_readme_has_its_two_commands(command):
-    assert command in README.splitlines()
+def test_the_readme_has_its_two_commands_and_its_lines_run(tmp_path, monkeypatch, capsys):
+    lines = README.splitlines()
+    assert lines.index("pip install . && frictionjoint demo") < lines.index("```python") < 20
+    assert "pip install '.[test]' && pytest" in lines
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(ARM)
+    exec(re.search(r"```python\n(.*?)```", README, re.DOTALL)[1], {})
+    # the weight of the arm, which the joint holds
+    assert float(capsys.readouterr().out) == pytest.approx(0.3 * 9.81 * 0.15, rel=1e-3)
 
 
 def test_the_readme_shows_a_moving_picture_below_a_megabyte():

@@ -4,17 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.decisions import SURELY
+from frictionjoint.decisions import CLEARLY, MOSTLY, SURELY
 from frictionjoint.diagnose.encoder_zero import offset_instead
 from frictionjoint.diagnose.finding import Trace
-from frictionjoint.diagnose.sight import Smallest
 from frictionjoint.effects.signals import TIME, Q
 from frictionjoint.identify.constraint_shape import ConstraintShape
-from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.gate import SURE
 from frictionjoint.identify.notes import assumed_note, inertia_note
-from frictionjoint.identify.result import law_parameters, scale_note, term_estimates, units_of
-from frictionjoint.identify.timing import Timing
+from frictionjoint.identify.result import scale_note, term_estimates, units_of
 
 REFINED = (
     "The parameters are refined by simulation: position errors are those of the refined "
@@ -27,7 +24,6 @@ DIVERGES = (
 )
 # s, of the window in which an event is looked for
 EVENT_S = 0.5
-HELD = "The torque is held from one sample to the next. The fit accounts for it."
 NO_LOAD = (
     "The drive does not grow with the load of the MJCF: check signs and zeros of this joint and of "
     "those beyond it, or the load is too small to show."
@@ -50,9 +46,8 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
     Args:
         cov: of all parameters of the final fit. load_shows: whether its drive grows with the load.
     """
-    sight, too_short = _sight_note(found), found.sight.too_short
     return (
-        *(sight if too_short else ()),
+        *_duration_note(found),
         *scale_note(found.final, found.prepared.slide),
         *inertia_note(found.prepared, found.final),
         *(() if load_shows else (NO_LOAD,)),
@@ -62,11 +57,8 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *found.hints,
         *assumed_note(found.final, found.prepared.slide),
         *_constraint_note(found),
-        *timing_note(found.final, cov),
         *_rest_note(found),
         *_laws_note(found),
-        *((HELD,) if found.prepared.band.zero_order_hold else ()),
-        *(() if too_short else sight),
     )
 
 
@@ -122,27 +114,16 @@ def _limit_note(found: Trace) -> tuple[str, ...]:
     )
 
 
-def timing_note(fitted: Fit, cov: Array) -> tuple[str, ...]:
-    """Sub-sample time offsets that differ clearly from zero."""
-    said = []
-    for i, term in enumerate(fitted.terms):
-        if isinstance(term, Timing):
-            (time,), k = term.shape, fitted.layout.numbers(i).start
-            error = float(np.sqrt(max(0.0, cov[k, k])))
-            if abs(time) > SURELY * error:
-                said.append(term.says(f"{1e3 * abs(time):.2g} ± {1e3 * error:.1g} ms"))
-    return tuple(said)
-
-
 def _laws_note(found: Trace) -> tuple[str, ...]:
-    if not found.other_laws.errors:
-        return ()
+    """Note that another friction law leaves clearly less with the same effects, if one does."""
     unit, _ = units_of(found.final, found.prepared.slide)
-    own, mine = law_parameters(found.final).law, found.final.rms_in_motion
-    others = ", ".join(f"{law} {left:.3g}" for law, left in found.other_laws.errors)
+    own = found.final.rms_in_motion
+    law, least = min(found.other_laws.errors, key=lambda x: x[1], default=("", own))
+    if least >= (1.0 - CLEARLY) * own:
+        return ()
     return (
-        f"Error in motion on fitted logs with each friction law and the same effects, {unit}: "
-        f"{own} {mine:.3g} (used), {others}.",
+        f"The friction law {law} fits these logs better: with the same effects its error in motion "
+        f"is {least:.3g} {unit} instead of {own:.3g} {unit}. To use it, give --law {law}.",
     )
 
 
@@ -163,16 +144,20 @@ def _constraint_note(found: Trace) -> tuple[str, ...]:
 
 
 def _rest_note(found: Trace) -> tuple[str, ...]:
+    """Note on samples at rest, if they are most of the logs or more than friction holds them."""
     rest = ~found.final.in_motion
     if not rest.any():
         return ()
     unit, _ = units_of(found.final, found.prepared.slide)
     error = root_mean_square(found.final.residual[rest])
+    held = _held_note(found, rest, error)
+    if rest.mean() < MOSTLY and not held:
+        return ()
     return (
         f"In {rest.mean():.0%} of the samples the joint sticks or reverses, where the position "
         f"hardly determines the torque. They count little in the fit; their error, {error:.3g} "
         f"{unit} rms, is not part of the torque errors above, which are those of the motion.",
-        *_held_note(found, rest, error),
+        *held,
     )
 
 
@@ -201,28 +186,13 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
     )
 
 
-def _sight_note(found: Trace) -> tuple[str, ...]:
+def _duration_note(found: Trace) -> tuple[str, ...]:
+    """Note that the logs are too short to show an effect."""
     sight, unit = found.sight, units_of(found.final, found.prepared.slide)[0]
-    if sight.too_short:
-        if found.findings or found.unexplained:
-            return ()
-        return (
-            f"These {sight.duration:.3g} s are too short: the smallest effect that they would have "
-            f"shown is {sight.torque:.2g} {unit} rms. About {sight.needed:.2g} s of such motion "
-            "are needed.",
-        )
-    if not sight.of_each:
+    if not sight.too_short or found.findings or found.unexplained:
         return ()
-    each = ", ".join(_smallest(x) for x in sight.of_each)
-    lead = "The smallest further effect" if found.findings else "The smallest effect"
     return (
-        f"{lead} that these logs would have shown, rms of its torque in {unit} (two numbers: of "
-        f"the shape that shows best and of the one that shows worst): {each}.",
+        f"These {sight.duration:.3g} s are too short: the smallest effect that they would have "
+        f"shown is {sight.torque:.2g} {unit} rms. About {sight.needed:.2g} s of such motion are "
+        "needed.",
     )
-
-
-def _smallest(x: Smallest) -> str:
-    if not np.isfinite(x.most):  # the model can imitate it
-        return f"{x.name} " + (f"{x.least:.2g} or more" if np.isfinite(x.least) else "at no size")
-    least, most = f"{x.least:.2g}", f"{x.most:.2g}"
-    return f"{x.name} {least}" if least == most else f"{x.name} {least} to {most}"

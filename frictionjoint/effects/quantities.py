@@ -39,8 +39,8 @@ _QUANTITIES = {
 _OF_EFFECT = {
     ("gear-coupling", "concave"): "concave friction",
     ("gear-coupling", "level"): "Coulomb friction",
-    ("gear-coupling", "ratio"): "turns per turn of the second joint",
-    ("gear-coupling", "top"): "speed above which it is constant",
+    ("gear-coupling", "ratio"): "turns of the shaft per turn of the second joint",
+    ("gear-coupling", "top"): "concave friction is constant above",
     ("gear-coupling", "viscous"): "viscous friction",
     ("gear-coupling", "wave"): "amplitude along the shaft",
     ("gear-coupling", "inertia"): "inertia",

@@ -3,13 +3,16 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.decisions import CLEARLY
-from frictionjoint.effects.signals import GEAR, A
+from frictionjoint.decisions import CLEARLY, SMALLEST_GAIN, SURELY
+from frictionjoint.effects.signals import GEAR, A, V
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
+from frictionjoint.identify.rival_shape import RivalShape
 from frictionjoint.identify.search import ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import IntegratedShape
@@ -104,26 +107,46 @@ def with_assumed_damping(prepared: Prepared, fitted: Fit) -> Fit:
 def with_assumed_breakaway(prepared: Prepared, fitted: Fit) -> Fit:
     """The same fit with an assumed breakaway friction Fs, if the logs do not determine it.
 
-    It is that of Coulomb friction, or as little above it as the logs allow.
+    It is that of Coulomb friction, or as little above it as the logs allow. More than twice Coulomb
+    friction is rare, so it must reduce the residual by more than chance.
     """
-    shape = fitted.shape
-    if not isinstance(shape, IntegratedShape) or not fitted.has_level:
+    shape, law = fitted.shape, _law(prepared, fitted)
+    levels = [law[name] for name in ("Fs_pos", "Fs_neg") if name in law]
+    if not fitted.has_level or not any(x.is_loose for x in levels):
         return fitted
-    law = _law(prepared, fitted)
-    if not (law["Fs_pos"].is_loose or law["Fs_neg"].is_loose):
-        return fitted
-    for excess in (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0):
-        if excess >= shape.excess:
-            break
+    assert isinstance(shape, IntegratedShape | RivalShape | ConstraintShape)
+    most = max(x.value for x in levels) / law["Fc_pos"].value - 1.0
+    tried = []
+    for excess in (*(x for x in (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0) if x < most), most):
         found = refit(prepared, fitted.effects, shape.with_assumed_breakaway(excess), ROUGH)
         if _allowed(found, fitted):
-            return found
-    return fitted
+            if excess <= 1.0:
+                return found
+            break
+        tried.append(found)
+    else:
+        found = fitted
+    return next((x for x in tried if _by_chance(prepared, x, fitted)), found)
 
 
 def _allowed(found: Fit, fitted: Fit, growth: float = CLEARLY) -> bool:
     """Whether the residual with an assumption is not larger than without by more than a part."""
     return found.drive_rms <= fitted.drive_rms / (1.0 - growth)
+
+
+def _by_chance(prepared: Prepared, found: Fit, fitted: Fit) -> bool:
+    """Whether the residual with an assumption is larger than without by no more than by chance.
+
+    A log shows the friction where motion begins or reverses once per stroke, so that in a short log
+    a few samples decide: the squares must grow by two standard errors over the strokes, or by as
+    much as an effect must remove.
+    """
+    first, last = ((x.residual * x.weight / x.error_unit) ** 2 for x in (fitted, found))
+    reverses = np.diff(np.signbit(prepared.at_kept(V))) | (np.diff(fitted.log_index) > 0)
+    more = np.bincount(np.append(0, np.cumsum(reverses)), last - first)
+    if len(more) > 1 and more.sum() > SURELY * math.sqrt(len(more)) * more.std(ddof=1):
+        return False
+    return bool((1.0 - SMALLEST_GAIN) * last.sum() <= first.sum())
 
 
 def _law(prepared: Prepared, fitted: Fit) -> dict[str, Estimate]:

@@ -38,12 +38,20 @@ class ConstraintShape:
     # rad, until `with_assumed_stiffness` sets what the logs resolve
     reach: float = 1e-6
 
-    variables = ("excess", "log Vs", "delta", "log V0 of v + lead a over Vs", "log lead")
     damped = False
     steps = True
     stiffness_assumed = True
-    breakaway_assumed = False
     damping = 0.0
+
+    @property
+    def breakaway_assumed(self) -> bool:
+        """See `Shape`."""
+        return self.static.breakaway_assumed
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Those of the static law, with V0 of v + lead a, then the logarithm of the lead."""
+        return (*self.static.variables, "log lead")
 
     @property
     def at_an_end(self) -> bool:
@@ -76,9 +84,13 @@ class ConstraintShape:
         """The shape that reaches its level within an assumed displacement, rad (m)."""
         return replace(self, reach=reach)
 
+    def with_assumed_breakaway(self, excess: float) -> Self:
+        """The shape with Fs = (1 + excess) Fc, not searched."""
+        return replace(self, static=self.static.with_assumed_breakaway(excess))
+
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The integrated law with a Coulomb level: it sticks, while this constraint creeps."""
-        excess, log_Vs, delta, _ = self.static.vector()
+        excess, log_Vs, delta, _ = self.static.numbers
         Fs = Fc * (1.0 + float(excess))
         return FrictionParameters.symmetric(
             Fs=Fs,
@@ -100,7 +112,7 @@ class ConstraintShape:
         """`hysteresis` and its derivatives by the numbers, (k, n), written out by hand."""
         edges = edges_of(q, edges)
         level, saturated, v, a = self._parts(time, q, edges)
-        excess, _, delta, _ = self.static.vector()
+        excess, _, delta, _ = self.static.numbers
         inside = np.abs(saturated) < 1.0
         ratio = self._ratio(v)
         fall = np.exp(-(ratio**delta))
@@ -115,24 +127,24 @@ class ConstraintShape:
                 level * inside * self.lead * a / self._V0,
             ]
         )
-        zero = np.zeros_like(q)
-        return level * saturated, zero, by_number, np.zeros_like(by_number)
+        by_number = by_number[int(self.breakaway_assumed) :]
+        return level * saturated, np.zeros_like(q), by_number, np.zeros_like(by_number)
 
     def _parts(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
         """Level over Fc, the saturated quantity, velocity and acceleration, each of shape (n,)."""
         v = gradient(q, time, edges)
         a = gradient(v, time, edges)
-        excess, _, delta, _ = self.static.vector()
+        excess, _, delta, _ = self.static.numbers
         level = 1.0 + excess * np.exp(-(self._ratio(v) ** delta))
         return level, np.clip((v + self.lead * a) / self._V0, -1.0, 1.0), v, a
 
     @property
     def _V0(self) -> float:
-        _, log_Vs, _, log_part = self.static.vector()
+        _, log_Vs, _, log_part = self.static.numbers
         return float(np.exp(log_Vs + log_part))
 
     def _ratio(self, v: Array) -> Array:
-        return np.asarray(np.abs(v) / np.exp(self.static.vector()[1]))
+        return np.asarray(np.abs(v) / np.exp(self.static.numbers[1]))
 
 
 def gradient(x: Array, time: Array, edges: Index) -> Array:

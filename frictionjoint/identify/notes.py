@@ -4,8 +4,8 @@ import numpy as np
 
 from frictionjoint.effects.signals import GX, GY, LOAD, A
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.shape import IntegratedShape
 
 
 def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
@@ -65,9 +65,11 @@ def assumed_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
             "The presliding damping is assumed: these logs do not determine it, and without any "
             "the joint would ring at rest. It is critical, or as much as the logs allow."
         )
-    if isinstance(shape, IntegratedShape) and shape.breakaway_assumed:
-        times = f"is {1.0 + shape.excess:g} times" if shape.excess else "equals"
-        least = ", the least of the assumed values that the logs allow" if shape.excess else ""
+    if shape.breakaway_assumed:
+        law = law_parameters(fitted).to_dict()
+        ratio = round(float(law["Fs_pos"] / law["Fc_pos"]), 3)
+        times = f"is {ratio:.3g} times" if ratio > 1.0 else "equals"
+        least = ", the least of the assumed values that the logs allow" if ratio > 1.0 else ""
         found.append(
             "The breakaway friction is assumed: these logs do not determine it. It "
             f"{times} Coulomb friction{least}."

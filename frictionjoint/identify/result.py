@@ -17,11 +17,18 @@ LOOSE = 0.5
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with its standard error (None if the logs do not determine it) and unit."""
+    """A number with its standard error (None if the logs do not determine it) and unit.
+
+    A fit that ends at the bound 0 may miss it by rounding; such a value is 0.
+    """
 
     value: float
     stderr: float | None
     unit: str
+
+    def __post_init__(self) -> None:
+        if self.stderr and abs(self.value) < 1e-12 * self.stderr:
+            object.__setattr__(self, "value", 0.0)
 
     @property
     def is_loose(self) -> bool:

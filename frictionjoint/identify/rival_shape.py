@@ -60,19 +60,21 @@ class RivalShape:
     Attributes:
         law: the class of its parameters. numbers: in the order of `variables`.
         least_rate: of the attraction to the sliding level, C over Fc, in 1/s.
+        breakaway_assumed: whether Fs / Fc - 1, the first number, is not searched.
     """
 
     law: Any
     numbers: tuple[float, ...]
     least_rate: float = 0.1
+    breakaway_assumed: bool = False
 
-    steps = stiffness_assumed = breakaway_assumed = False
+    steps = stiffness_assumed = False
     damping = 0.0
 
     @property
     def variables(self) -> tuple[str, ...]:
         """Names of the numbers that are searched for this law."""
-        return _VARIABLES[self.law.law]
+        return _VARIABLES[self.law.law][int(self.breakaway_assumed) :]
 
     @property
     def damped(self) -> bool:
@@ -81,11 +83,12 @@ class RivalShape:
 
     def vector(self) -> Array:
         """The numbers in the order of `variables`, shape (k,)."""
-        return np.array(self.numbers)
+        return np.array(self.numbers[int(self.breakaway_assumed) :])
 
     def moved(self, x: Array) -> Self:
-        """The same law with other numbers."""
-        return replace(self, numbers=tuple(float(n) for n in x))
+        """The same law with other numbers, in the order of `variables`."""
+        fixed = self.numbers[: int(self.breakaway_assumed)]
+        return replace(self, numbers=(*fixed, *x.tolist()))
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
         """Bounds common to all laws, and those of the numbers that only this law has."""
@@ -129,11 +132,15 @@ class RivalShape:
         """The shape itself: its stiffness is a number of the law."""
         return self
 
+    def with_assumed_breakaway(self, excess: float) -> Self:
+        """The shape with Fs = (1 + excess) Fc, not searched."""
+        return replace(self, numbers=(excess, *self.numbers[1:]), breakaway_assumed=True)
+
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law with a Coulomb level."""
         x = {
             name.removeprefix("log "): float(np.exp(n)) if name.startswith("log ") else n
-            for name, n in zip(self.variables, self.numbers, strict=True)
+            for name, n in zip(_VARIABLES[self.law.law], self.numbers, strict=True)
         }
         Fs = Fc * (1.0 + x.get("excess", 0.0))
         values: dict[str, Any] = {"Fc": Fc, "sigma2": sigma2}
@@ -168,8 +175,8 @@ class RivalShape:
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
-        P_t = np.zeros((len(self.variables), len(P)))
-        by = dict(zip(self.variables, P_t, strict=True))
+        P_t = np.zeros((len(self.numbers), len(P)))
+        by = dict(zip(_VARIABLES[self.law.law], P_t, strict=True))
         if "excess" in by:
             for side in (bristle.POSITIVE, bristle.NEGATIVE):
                 by["excess"][1 + side + FS] = 1.0
@@ -191,7 +198,7 @@ class RivalShape:
         for name in ("i", "breakaway"):
             if name in by:
                 by[name][own + 1] = 1.0
-        return P_t
+        return P_t[int(self.breakaway_assumed) :]
 
 
 def prompt_maxwell_slip() -> tuple[Shape, ...]:

@@ -58,14 +58,6 @@ class Timing:
         """None: it shifts the drive."""
         return np.zeros((len(signals), 0))
 
-    def says(self, size: str) -> str:
-        """A note on the time offset.
-
-        Args:
-            size: the time as text, without its sign.
-        """
-        raise NotImplementedError
-
 
 class DriveTiming(Timing):
     """Time by which a measured drive was read before the position; a longer time is
@@ -77,14 +69,6 @@ class DriveTiming(Timing):
     def delay(self) -> float:
         """The offset of the drive, s."""
         return self.shape[0]
-
-    def says(self, size: str) -> str:
-        """The note on a drive that leads or follows the position."""
-        leads = "torque" if self.shape[0] > 0.0 else "position"
-        return (
-            f"Position and torque are offset by {size} ({leads} leads), less than a sample, "
-            "e.g. because a controller holds its torque between ticks. The fit accounts for it."
-        )
 
 
 class TargetTiming(Timing):
@@ -111,14 +95,6 @@ class TargetTiming(Timing):
         late = self.shape[0] > 0.1 * self.sample
         return command_delay.figures(controller, self.shape) if late else {}
 
-    def says(self, size: str) -> str:
-        """The note on targets that act early or late."""
-        if self.shape[0] < 0.0:
-            what = f"{size} earlier than if each was held until the next: they move on in between"
-        else:
-            what = f"{size} after they were logged, less than a sample"
-        return f"Targets act {what}. The fit accounts for it."
-
 
 class VelocityAge(Timing):
     """Age of the velocity in a controller's damping.
@@ -127,14 +103,6 @@ class VelocityAge(Timing):
     """
 
     name = "age of the velocity"
-
-    def says(self, size: str) -> str:
-        """The note on an old velocity in the controller's damping."""
-        return (
-            f"The velocity of the controller's damping is {size} {_side(self)}, less than a "
-            "sample. The fit accounts for it: an inertia error below kd times the sample time is "
-            "not reported."
-        )
 
 
 class DampingAge(Timing):
@@ -146,15 +114,3 @@ class DampingAge(Timing):
     name = "age of the damping"
     # a step is no longer than a sample
     within = (-0.5, 0.5)
-
-    def says(self, size: str) -> str:
-        """The note on an old velocity in viscous friction."""
-        return (
-            f"Viscous friction acts on a velocity that is {size} {_side(self)}, as in the steps "
-            "of a simulation. The fit accounts for it: an inertia below its coefficient times half "
-            "a sample cannot be distinguished from it."
-        )
-
-
-def _side(age: Timing) -> str:
-    return "old" if age.shape[0] > 0.0 else "ahead of the position"

@@ -48,14 +48,13 @@ def with_recordings(
         note = f"The recordings were not compared with each other: {error}"
         return replace(report, notes=(*report.notes, note))
     assert report.posterior is not None
-    rows, columns, said, open_ones = [], [report.posterior.factor], [], []
+    rows, columns, said = [], [report.posterior.factor], []
     for i, (number, stderr) in enumerate(zip(known.numbers, known.stderr, strict=True)):
         # at least half of the information must come from the recording
         own = [x for x in found if x.informed[i] > 0.5]
         between = over(own, i) if len(own) >= FEWEST else None
         # A parameter of a law cannot be negative, so such estimates have another cause.
         if between is None or not _determined(between) or (number.of_law and between.mean < 0.0):
-            open_ones.append(number.words)
             continue
         rows.append(_row(number.name, between, own, i))
         # one false alarm in twenty reports, over all parameters; and no law is exact, so values of
@@ -68,11 +67,6 @@ def with_recordings(
             symbol = number.name.partition(" ")[0]
             unit = f" {unit_of(symbol, report.slide)}" if number.of_law else ""
             said.append(_sentence(number.words, between, unit))
-    if open_ones:
-        said.append(
-            "Not compared between recordings, as these do not determine it: "
-            f"{', '.join(open_ones)}."
-        )
     return replace(
         report,
         recordings=tuple(rows),

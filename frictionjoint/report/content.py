@@ -1,6 +1,7 @@
 """Results as the plain data of report.json."""
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -19,6 +20,9 @@ def content_of(result: Any) -> Any:
         return {name: content_of(getattr(result, name)) for name in names}
     if isinstance(result, Mapping):
         return {name: content_of(x) for name, x in result.items()}
+    # JSON has no infinity
+    if isinstance(result, float) and math.isinf(result):
+        return None
     if isinstance(result, list | tuple):
         return [content_of(x) for x in result]
     return result

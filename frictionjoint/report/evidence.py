@@ -21,7 +21,7 @@ class EffectRow:
 
     Attributes:
         name: canonical. title: common name. cause, size: in words.
-        gain, p_value, frequency: evidence as decided. error: rms after adding it, by role.
+        gain, p_value, frequency: evidence as decided.
         rivals: common names of effects that could also be the cause.
         next_best: common name and gain of the runner-up, if it explains less.
         doubt: why the logs do not support it by itself; empty if they do.
@@ -34,7 +34,6 @@ class EffectRow:
     gain: float
     p_value: float
     frequency: float
-    error: dict[str, float | None]
     rivals: tuple[str, ...]
     next_best: tuple[str, float] | None
     doubt: str
@@ -56,8 +55,7 @@ def effect_of(content: Content, added: Content) -> EffectRow:
     parameters = effect_estimates(content, added)
     gain, p, runner = evidence["held_out_gain"], evidence["p_value"], evidence["runner_up"]
     rivals = list(evidence.get("ties", ()))
-    as_good = runner is not None and evidence["margin"] <= 0.0
-    if as_good:
+    if runner is not None and evidence["margin"] <= 0.0:
         rivals.append(runner)
     look = next((x for x in content.get("candidates", ()) if x["chosen"] == name), None)
     if look:
@@ -76,7 +74,6 @@ def effect_of(content: Content, added: Content) -> EffectRow:
         gain=gain,
         p_value=p,
         frequency=evidence["selection_frequency"],
-        error=dict(added["torque_rms"]),
         rivals=tuple(map(title, rivals)),
         next_best=next_best,
         doubt=_doubt(content, name, gain, p, parameters),
@@ -110,6 +107,19 @@ def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, .
         elif chosen and name in chosen.rivals:
             outcome = "could also be"
         found.append(Candidate(name, max(0.0, row["gain"]), row["p_value"], outcome))
+    return tuple(found)
+
+
+def smallest_of(content: Content, unit: str) -> tuple[tuple[str, str], ...]:
+    """Each further effect with the smallest torque that the logs would have shown, best first.
+
+    The text is empty for an effect that the logs would not have shown at any size.
+    """
+    found = []
+    for x in content.get("smallest", ()):
+        low, high = three(x["least"], 2), three(x["most"], 2)
+        between = low if low == high else f"{low} to {high}" if x["most"] else f"{low} or more"
+        found.append((title(x["name"]), f"{between} {unit}" if x["least"] else ""))
     return tuple(found)
 
 

@@ -54,6 +54,8 @@ class Report:
     model.xml; None if it contains none. `positions` are the simulated positions of the logs; empty
     if nothing was simulated.
     `recordings` states how each number varies between recordings, if there are three or more.
+    `smallest`: the smallest further effects that the logs would have shown, see `sight.Smallest`.
+    `law_errors`: rms in motion on fitted logs of each law with the same effects.
 
     For a joint of a robot, `base` and the errors before are those of the law alone with the user's
     model; `other_before` says whether `curves` and `positions` before are of another model, the one
@@ -95,6 +97,8 @@ class Report:
     carried: JointFriction | None = field(default=None, repr=False)
     positions: tuple[SimulatedPosition, ...] = field(default=(), repr=False)
     recordings: tuple[dict[str, Any], ...] = field(default=(), repr=False)
+    smallest: tuple[Any, ...] = field(default=(), repr=False)
+    law_errors: Mapping[str, float] = field(default_factory=dict, repr=False)
     other_before: bool = False
     increase: Mapping[str, Interval] = field(default_factory=dict, repr=False)
     torsion: Torsion | None = field(default=None, repr=False)
@@ -225,8 +229,7 @@ class Report:
     def in_robot(self) -> dict[str, Any]:
         """The content for one joint of a robot: without the parts that belong to the robot."""
         own = {k: x for k, x in self._content().items() if k not in ("schema", "joint", "logs")}
-        increase = {n: [x if np.isfinite(x) else None for x in y] for n, y in self.increase.items()}
-        own |= {"measured_rms": self.measured_rms, "increase": increase, "worse": self.worse}
+        own |= {"measured_rms": self.measured_rms, "increase": self.increase, "worse": self.worse}
         if self.torsion:
             own["torsion"] = self.torsion
         found: dict[str, Any] = content_of(own)
@@ -282,6 +285,8 @@ class Report:
             **{name: x for name, x in optional.items() if x},
             "thresholds": self.thresholds,
             "candidates": self.rankings,
+            "smallest": self.smallest,
+            "law_errors": self.law_errors,
             "noise_floor": self.noise_floor,
             "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
             "proposals": self.proposals,

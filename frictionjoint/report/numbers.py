@@ -5,7 +5,7 @@ Everything comes from the content of report.json.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS, title
@@ -87,9 +87,9 @@ def friction_card(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
 
 
 def with_unit(x: Estimate) -> str:
-    """Value ± standard error, and the unit."""
+    """Value ± standard error, the unit, and whether it is fixed."""
     unit = "" if x.unit == "1" else f"\u00a0{wording.unit(x.unit)}"
-    return wording.value(x, spread=x.stderr is not None) + unit
+    return wording.value(x, spread=True) + unit + (" (fixed)" if x.stderr == 0.0 else "")
 
 
 def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
@@ -145,10 +145,7 @@ def _wave(sine: Estimate, cosine: Estimate, count: Estimate, slide: bool) -> str
     size = with_unit(Estimate(amplitude, error, sine.unit))
     phase = math.degrees(math.atan2(cosine.value, sine.value))
     if not slide:
-        turns = wording.value(
-            Estimate(count.value, count.stderr, "1"), spread=count.stderr is not None
-        )
-        often = f"{turns} per turn"
+        often = f"{with_unit(Estimate(count.value, count.stderr, '1'))} per turn"
     else:
         period = 2.0 * math.pi / count.value
         spread = None if count.stderr is None else period * count.stderr / count.value
@@ -178,15 +175,12 @@ def carried(content: Content) -> tuple[Number, ...]:
     model = content.get("model")
     if not model:
         return ()
-    known = result_estimates(content)
-    law = {}
-    for name, value in model.items():
-        if not isinstance(value, int | float) or isinstance(value, bool):
-            continue
-        estimate = known.get(name)
-        law[name] = Estimate(
-            float(value), estimate.stderr if estimate else None, estimate.unit if estimate else "1"
-        )
+    known, fixed = result_estimates(content), Estimate(0.0, None, "1")
+    law = {
+        name: replace(known.get(name, fixed), value=float(value))
+        for name, value in model.items()
+        if isinstance(value, int | float) and not isinstance(value, bool)
+    }
     if "stiffness" in known and "stiffness" not in law:
         law["stiffness"] = known["stiffness"]
     rows = list(law_numbers({n: x for n, x in law.items() if x.value or n in known}))
@@ -195,8 +189,6 @@ def carried(content: Content) -> tuple[Number, ...]:
         own = effect_estimates(content, added)
         name = title(added["effect"], added.get("cause", ""))
         where = "" if added["effect"] in inside else ", in the joint's or motor's own numbers"
-        rows += [
-            Number(name, "added effect" + where, text, "determined")
-            for text in size_of(added["effect"], own, content.get("slide", False))
-        ]
+        size = "; ".join(size_of(added["effect"], own, content.get("slide", False)))
+        rows.append(Number(name, "added effect" + where, size or "in the model", "determined"))
     return tuple(rows)

@@ -7,10 +7,9 @@ from typing import Any
 from frictionjoint.report import charts, wording
 from frictionjoint.report.html import fill
 from frictionjoint.report.joint_report import Report
-from frictionjoint.report.numbers import status_of
 from frictionjoint.report.robot_report import RobotReport
 from frictionjoint.report.robot_summary import summarise_robot
-from frictionjoint.report.summary import Summary, summarise
+from frictionjoint.report.summary import summarise
 from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.report.wording import quantity
 
@@ -38,22 +37,17 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
     position_part: tuple[charts.Chart, ...] = ()
     position_whole: tuple[charts.Chart, ...] = ()
     if position:
-        times = charts.worst_times(position) if s.position_first else stretch.times
-        same = next(
-            (
-                x
-                for x in report.positions
-                if (x.name, x.role) == (stretch.curve.name, stretch.curve.role)
-            ),
-            position,
-        )
-        shown = position if s.position_first else same
-        group = "position" if s.position_first else "stretch"
+        shown, group, times = position, "position", charts.worst_times(position)
+        if not s.position_first:
+            at = stretch.curve.name, stretch.curve.role
+            same = [x for x in report.positions if (x.name, x.role) == at]
+            shown, group, times = [*same, position][0], "stretch", stretch.times
         position_part = charts.position_charts(report, shown, times, group)
         position_whole = charts.position_charts(report, shown, None, "whole-position")
     whole = charts.Stretch(stretch.curve, slice(None))
     drive_whole: tuple[charts.Chart, ...] = charts.drive_charts(report, whole, "whole", before)
     first, others = charts.error_charts(report)
+    stiffness = [x.status for x in s.friction if x.name == "stiffness"]
     in_detail, in_whole = (drive_part, position_part), (drive_whole, position_whole)
     if s.position_first:
         in_detail, in_whole = in_detail[::-1], in_whole[::-1]
@@ -65,28 +59,17 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
         log=stretch.curve.name,
         position_log=position.name if position and s.position_first else "",
         friction_speed=charts.friction_speed(report),
-        presliding=charts.presliding(report) if _shows_presliding(report) else None,
+        presliding=charts.presliding(report) if "determined" in stiffness else None,
         in_detail=[c for part in in_detail for c in part],
         in_whole=[c for part in in_whole for c in part],
         steps=[step[:8] for step in s.steps],
-        widest=_widest(s),
+        widest=max([0.1, *(c.gain for step in s.steps for c in step)]),
         error_charts=first,
         other_charts=others,
         bandwidth=content.get("bandwidth_hz"),
         closed_loop=any(e.quantity.endswith("closed loop") for e in s.errors),
         made=content.get("made", {}),
     )
-
-
-def _shows_presliding(report: Report) -> bool:
-    """Whether the logs determine the presliding stiffness."""
-    law = report.final
-    return "stiffness" in law and status_of("stiffness", law) == "determined"
-
-
-def _widest(s: Summary) -> float:
-    """The largest gain of a candidate, which scales the bars."""
-    return max([0.1, *(c.gain for step in s.steps for c in step)])
 
 
 def render_robot(report: RobotReport, content: Mapping[str, Any]) -> str:

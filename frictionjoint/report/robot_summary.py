@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
+from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.content import Content
-from frictionjoint.report.error_figures import STAGES, Stage, compared
+from frictionjoint.report.error_figures import STAGES, Stage
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
@@ -29,6 +30,11 @@ class SharedRow:
     p_value: float
     rivals: tuple[str, ...]
     joints: tuple[tuple[str, str, str], ...]
+
+    @property
+    def doubt(self) -> str:
+        """Why the logs do not support it by itself, in brackets; empty if they do."""
+        return f" (p = {three(self.p_value)})" if self.p_value > SIGNIFICANCE else ""
 
 
 @dataclass(frozen=True)
@@ -78,10 +84,8 @@ class RobotSummary:
     record_next: tuple[str, ...]
     logs: tuple[tuple[str, int, float, str], ...]
 
-    @property
-    def friction_head(self) -> tuple[str, ...]:
-        """Headings of the columns of friction numbers."""
-        return ("Coulomb", "breakaway", "viscous", "presliding stiffness")
+    # headings of the columns of friction numbers
+    friction_head: ClassVar = ("Coulomb", "breakaway", "viscous", "presliding stiffness")
 
 
 def summarise_robot(content: Content) -> RobotSummary:
@@ -104,14 +108,17 @@ def summarise_robot(content: Content) -> RobotSummary:
             if not x.doubt and name not in doubted:
                 by_effect.setdefault(x.title, []).append(name)
     missing = [f"{effect} ({', '.join(names)})" for effect, names in by_effect.items()]
-    causes = [x.title for x in shared]
+    causes = [x.title for x in shared if not x.doubt]
+    unsure = [x.title + x.doubt for x in shared if x.doubt]
     rivals = [f"{listed(x.rivals)} instead of {x.title}" for x in shared if x.rivals] + [
-        f"{listed(x.rivals)} instead of {x.title} of {name}"
+        f"{name}: {listed(x.rivals)} instead of {x.title}"
         for name, s in joints.items()
         for x in s.effects
         if x.rivals
     ]
     text = listed(causes + missing) or "nothing that these logs show for certain"
+    if unsure:
+        text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
     if doubted:
         text += f"; held-out logs do not confirm what was found of {listed(sorted(doubted))}"
     if content["failed"]:
@@ -122,7 +129,7 @@ def summarise_robot(content: Content) -> RobotSummary:
         ("Missing", text + "."),
         ("Error before and after" if changed else "Error", _errors(content, role, changed)),
         ("Could also be", "; ".join(rivals) + "." if rivals else ""),
-        ("Record next", next_one[0] if next_one else "nothing in particular"),
+        ("Record next", next_one[0] if next_one else "nothing in particular."),
     )
     return RobotSummary(
         verdict=content["verdict"],
@@ -144,9 +151,7 @@ def summarise_robot(content: Content) -> RobotSummary:
 
 def _confirmed(s: Summary) -> bool:
     """Whether the error of the drive falls on held-out logs, if there are any."""
-    name = s.drive.split(" ", 1)[1]
-    change = compared(s.error(name, "before"), s.error(name, "after"), s.role)
-    return s.role != "held_out" or change not in ("rises", "no fall")
+    return s.role != "held_out" or s.change(s.drive.split(" ", 1)[1]) not in ("rises", "no fall")
 
 
 def _errors(content: Content, role: str, changed: bool) -> str:
@@ -176,7 +181,7 @@ def _row(
     content: Content, name: str, s: Summary, role: str, shared: Sequence[SharedRow]
 ) -> JointRow:
     names = [x.title + (f" ({x.doubt})" if x.doubt else "") for x in s.effects]
-    names += [x.title for x in shared if name in [row[0] for row in x.joints]]
+    names += [x.title + x.doubt for x in shared if name in [row[0] for row in x.joints]]
     if s.laws[0] != s.laws[1]:
         names.append(f"law {s.laws[1]}")
     torque = [e for e in s.errors if e.unit == s.units[0] and e.quantity in s.drive]

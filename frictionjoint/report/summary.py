@@ -21,7 +21,14 @@ from frictionjoint.report.error_figures import (
     noise_of,
     units_of,
 )
-from frictionjoint.report.evidence import Candidate, EffectRow, effect_of, step_of, threshold_of
+from frictionjoint.report.evidence import (
+    Candidate,
+    EffectRow,
+    effect_of,
+    smallest_of,
+    step_of,
+    threshold_of,
+)
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import Number, carried, friction_card, result_estimates
 from frictionjoint.report.wording import listed, quantity, three
@@ -51,6 +58,8 @@ class Summary:
             differs from the base fit. friction: the main friction numbers.
         parameters: those in model.xml. steps: candidates of each step of the search.
         threshold: when an effect is normally added, in a sentence.
+        smallest: each further effect, and the smallest torque that these logs would have shown.
+        law_errors: rms error in motion on fitted logs with each friction law.
     """
 
     joint: str
@@ -67,6 +76,8 @@ class Summary:
     effects: tuple[EffectRow, ...]
     steps: tuple[tuple[Candidate, ...], ...]
     threshold: str
+    smallest: tuple[tuple[str, str], ...]
+    law_errors: dict[str, float]
     parameters: tuple[Number, ...]
     unexplained: tuple[tuple[str, float], ...]
     notes: tuple[str, ...]
@@ -100,6 +111,10 @@ class Summary:
         """A row of the errors, if it is stated."""
         rows = (e for e in self.errors if e.quantity == quantity and e.stage == stage)
         return next(rows, None)
+
+    def change(self, quantity: str) -> str:
+        """How an error changes from before to after, see `compared`."""
+        return compared(self.error(quantity, "before"), self.error(quantity, "after"), self.role)
 
 
 def summarise(content: Content) -> Summary:
@@ -141,6 +156,8 @@ def summarise(content: Content) -> Summary:
             step_of(look, effects) for look in content.get("candidates", ()) if look["rows"]
         ),
         threshold=threshold_of(content, effects),
+        smallest=smallest_of(content, units[0]),
+        law_errors=dict(content.get("law_errors", {})),
         parameters=carried(content),
         unexplained=unexplained,
         notes=without_repetition(content.get("notes", ())),
@@ -171,7 +188,7 @@ def _verdict_lines(s: Summary) -> tuple[tuple[str, str], ...]:
         ("Missing", _missing(s)),
         ("Error before and after" if s.changed else "Error", _error_line(s)),
         ("Could also be", _rivals_line(s)),
-        ("Record next", s.record_next[0] if s.record_next else "nothing in particular"),
+        ("Record next", s.record_next[0] if s.record_next else "nothing in particular."),
     )
     return tuple((label, text[0].upper() + text[1:]) for label, text in lines if text)
 
@@ -198,7 +215,8 @@ def _missing(s: Summary) -> str:
         if s.suspected:
             best = s.suspected[0]
             small = best.gain < SMALLEST_GAIN
-            why = "which is below the threshold" if small else "but a later test rejected it"
+            refitted = "but not once the friction law was fitted together with it"
+            why = "which is below the threshold" if small else refitted
             return (
                 f"nothing for certain; {best.title} would explain {best.gain:.0%} of the squared "
                 f"residual (p = {three(best.p_value)}), {why}.{times}"
@@ -213,7 +231,7 @@ def _missing(s: Summary) -> str:
     # what would be left out if held-out prediction did not need it
     unsized = [e.title for e in s.effects if "size" in e.doubt]
     unsure = [f"{e.title} ({e.doubt})" for e in s.effects if e.doubt and "size" not in e.doubt]
-    change = compared(s.error(_drive_name(s), "before"), s.error(_drive_name(s), "after"), s.role)
+    change = s.change(s.drive.split(" ", 1)[1])
     if change in ("rises", "no fall") and s.role == "held_out":
         held = "contradict" if change == "rises" else "do not confirm"
         suggested = listed(sure or unsure or unsized)
@@ -221,8 +239,10 @@ def _missing(s: Summary) -> str:
     text = listed(sure)
     if not sure and change == "falls" and all("size" in e.doubt for e in s.effects):
         names = [e.title for e in s.effects]
-        one = "one or more of " if len(names) > 1 else ""
-        text = f"{one}{listed(names)}, but these logs do not determine {_doubts(s)}"
+        text = f"{listed(names)}, but these logs do not determine its size"
+        if len(names) > 1:
+            which = "which of them, or how large each is"
+            text = f"one or more of {listed(names)}, but these logs do not determine {which}"
     else:
         text = text or "nothing for certain"
         if unsized:
@@ -234,10 +254,7 @@ def _missing(s: Summary) -> str:
         text += f"; the friction law is {s.laws[1]} instead of {s.laws[0]}"
     if sure and s.role == "held_out" and not _falls(s):
         text += "; on held-out logs the error falls by no more than chance explains"
-    if (
-        sure
-        and compared(s.error("position", "before"), s.error("position", "after"), s.role) == "rises"
-    ):
+    if sure and s.change("position") == "rises":
         text += "; the simulated position, however, gets worse"
     partly = s.verdict == "partly-explained" or rest
     return text + "." + (rest or (times if partly else ""))
@@ -246,17 +263,7 @@ def _missing(s: Summary) -> str:
 def _falls(s: Summary) -> bool:
     """Whether any stated error falls by more than chance."""
     names = {e.quantity for e in s.errors if not e.quantity.endswith(", rms")}
-    changes = [compared(s.error(n, "before"), s.error(n, "after"), s.role) for n in names]
-    return any(change in ("falls", "falls by") for change in changes)
-
-
-def _doubts(s: Summary) -> str:
-    """Doubts about effects that lower the error together."""
-    return "which of them, or how large each is" if len(s.effects) > 1 else "its size"
-
-
-def _drive_name(s: Summary) -> str:
-    return s.drive.split(" ", 1)[1]
+    return any(s.change(n) in ("falls", "falls by") for n in names)
 
 
 def _error_line(s: Summary) -> str:
@@ -272,7 +279,7 @@ def _error_line(s: Summary) -> str:
             parts.append(f"{name} {after.text(s.role)}")
             continue
         text = f"{name} {arrow(before, after, s.role)}"
-        change = compared(before, after, s.role)
+        change = s.change(name)
         if change == "rises" or (change == "no fall" and not before.interval):
             text += ", which is worse"
         elif change in ("may be chance", "no fall"):

@@ -24,7 +24,13 @@ def summary_text(content: Mapping[str, Any]) -> str:
     lines += _labelled([(x.meaning, x.qualified) for x in s.friction], indent="  ")
     for x in s.effects:
         lines.append(f"  {x.title}: {'; '.join(x.size) or 'in the model'}")
-    return "\n".join([*lines, *_notes(s)])
+    lines += _notes(s)
+    shown = [f"{size} ({name})" for name, size in s.smallest if size]
+    if shown:
+        ends = " up to ".join(dict.fromkeys((shown[0], shown[-1])))
+        lead = "Smallest further effect that these logs would have shown, rms"
+        lines += ["", f"{lead}: {ends}; all are listed in report.html."]
+    return "\n".join(lines)
 
 
 def _robot_text(s: RobotSummary) -> str:

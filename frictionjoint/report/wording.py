@@ -46,9 +46,9 @@ def unit(text: str) -> str:
     return "none" if text == "1" else text.replace("^2", "²")
 
 
-def three(value: float | None) -> str:
-    """Three figures, or a dash."""
-    return "–" if value is None else _plain(f"{value:.3g}")
+def three(value: float | None, figures: int = 3) -> str:
+    """Three figures, or as many as given, or a dash."""
+    return "–" if value is None else _plain(f"{value:.{figures}g}")
 
 
 def interval(pair: tuple[float, float] | None) -> str:
@@ -59,19 +59,21 @@ def interval(pair: tuple[float, float] | None) -> str:
 def value(x: Estimate | None, spread: bool = False) -> str:
     """A value to the second figure of its standard error, else to four figures.
 
-    With `spread` the standard error follows; a value without one is marked as fixed.
+    With `spread` the standard error follows, if there is one.
     """
     if x is None:
         return "–"
     if not x.stderr or not math.isfinite(x.stderr):
         # what is smaller in any unit of a joint is the rounding of a zero
         number = round(x.value, 12) + 0.0
-        return _plain(f"{number:.4g}") + (" (fixed)" if spread else "")
+        return _plain(f"{number:.4g}")
     decimals = 1 - math.floor(math.log10(x.stderr))
     # adding zero takes the sign off a zero
     # with more decimals an exponent is shorter
     texts = [
-        f"{round(number, decimals) + 0.0:.{max(decimals, 0)}f}"
+        "0"
+        if number == 0.0
+        else f"{round(number, decimals) + 0.0:.{max(decimals, 0)}f}"
         if decimals <= 6
         else _plain(f"{round(number, decimals) + 0.0:.8g}")
         for number in (x.value, x.stderr)

@@ -15,7 +15,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
-from frictionjoint.model_files import ONE_DOF, compiling
+from frictionjoint.model_files import ONE_DOF, compiling, not_xml
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.block import (
@@ -322,7 +322,7 @@ def load_model(path: str | Path) -> mujoco.MjModel:
             model = mujoco.MjModel.from_xml_path(str(path))
             carried = resolve(model)
         except ValueError as error:
-            raise ModelError(f"{path}: {error}") from None
+            raise ModelError(f"{path}: {not_xml(path) or error}") from None
         if not carried:
             raise ModelError(f"{path} has no friction: add it with `frictionjoint install`")
     return model
