@@ -102,7 +102,9 @@ def _settled(
 
 def _alike_hint(one: str, other: str) -> str:
     first, second = (name.removesuffix("_c") for name in (one, other))
-    return f"These logs do not show whether it is {first} or {second}: each explains as much."
+    return (
+        f"These logs do not show whether {first} or {second} is the cause: each explains as much."
+    )
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:

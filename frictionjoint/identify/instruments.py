@@ -139,6 +139,6 @@ class EncoderTerm(SmoothTerm):
     def says(self, coefficients: Array, unit: str) -> str:
         """Amplitude of the position error, in a sentence."""
         return (
-            f"The logged position seems off by up to {np.hypot(*coefficients):.2g} rad, in "
-            f"{self.order:g} waves a turn: an encoder or a shaft off its centre."
+            f"The logged position seems off by up to {np.hypot(*coefficients):.2g} rad, "
+            f"{self.order:g} per turn: check whether the encoder or the shaft is off its centre."
         )

@@ -17,6 +17,7 @@ from frictionjoint.report.summary import Summary, summarise
 from frictionjoint.report.wording import listed, percentage, three
 
 _NONE = "–"
+_NO_MOTION = "no trajectory was found that stays within the limits of the robot without contact."
 _FRICTION = ("Fc", "Fs", "sigma2", "stiffness")
 
 
@@ -129,7 +130,7 @@ def summarise_robot(content: Content) -> RobotSummary:
         ("Missing", text + "."),
         ("Error before and after" if changed else "Error", _errors(content, role, changed)),
         ("Could also be", "; ".join(rivals) + "." if rivals else ""),
-        ("Record next", next_one[0] if next_one else "nothing in particular."),
+        ("Record next", next_one[0] if next_one else _NO_MOTION),
     )
     return RobotSummary(
         verdict=content["verdict"],
@@ -222,7 +223,8 @@ def _change(texts: Mapping[Stage, str], s: Summary) -> str:
     """An error before and after; "diverges" if the simulation leaves the logged motion."""
     if not texts:
         return _NONE
-    return " → ".join(texts.get(x, "diverges") for x in (STAGES if s.changed else STAGES[1:]))
+    text = " → ".join(texts.get(x, "diverges") for x in (STAGES if s.changed else STAGES[1:]))
+    return text.replace(f"\u00a0{s.units[1]} →", " →")
 
 
 def _shared(content: Content, joints: Mapping[str, Summary], found: Content) -> SharedRow:
@@ -253,9 +255,7 @@ def _shared(content: Content, joints: Mapping[str, Summary], found: Content) -> 
 
 def _fraction(errors: Content, whole: Content, role: str) -> str:
     error, size = errors[role], whole.get(role)
-    if error is None:
-        return _NONE
-    return percentage(error, size) if size else three(error)
+    return _NONE if error is None else percentage(error, size) if size else three(error)
 
 
 def _torsion(name: str, x: Content) -> TorsionRow:
