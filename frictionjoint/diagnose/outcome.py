@@ -102,9 +102,7 @@ def _settled(
 
 def _alike_hint(one: str, other: str) -> str:
     first, second = (name.removesuffix("_c") for name in (one, other))
-    return (
-        f"These logs do not show whether {first} or {second} is the cause: each explains as much."
-    )
+    return f"These logs do not show whether {first} or {second} is the cause: both explain as much."
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
