@@ -69,7 +69,7 @@ def evaluate(
         )
         for name, x in found.joints.items()
     )
-    head = "joint", "friction", "torque error", "of the torque", "replay", "closed loop"
+    head = "joint", "friction", "torque error", "of the torque", "position error", "in closed loop"
     show_table(head, rows)
     for note in found.notes:
         console().print(f"* {note}", soft_wrap=True, markup=False)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionjoint.evaluation.run import Evaluation, JointEvaluation
-from frictionjoint.report.charts import Chart, cloud, over_time
+from frictionjoint.report.charts import LAW_COLOURS, Chart, cloud, over_time
 from frictionjoint.report.html import fill
 
 
@@ -23,11 +23,19 @@ def _charts(joint: JointEvaluation) -> list[Chart]:
     worst = max(joint.curves, key=lambda c: float(np.sum(c.torque_error**2)))
     acted = over_time(f"acted, {worst.log}", worst.time, worst.drive, "measured")
     needed = over_time("needed by the model", worst.time, worst.needed, "after")
-    errors = tuple(cloud(c.log, c.velocity[c.known], c.torque_error, "after") for c in joint.curves)
+    errors = tuple(
+        cloud(c.log, c.velocity[c.known], c.torque_error, LAW_COLOURS[i % len(LAW_COLOURS)])
+        for i, c in enumerate(joint.curves)
+    )
     velocity = f"velocity, {joint.position_unit}/s"
     return [
-        Chart("torque", "time, s", f"torque, {joint.unit}", (acted, needed)),
-        Chart("error", velocity, f"needed - acted, {joint.unit}", errors),
+        Chart(
+            "Torque, worst log",
+            "time, s",
+            f"torque, {joint.unit}",
+            (acted, needed),
+        ),
+        Chart("Error, all logs", velocity, f"needed − acted, {joint.unit}", errors),
         *_loop(joint),
     ]
 
@@ -42,4 +50,4 @@ def _loop(joint: JointEvaluation) -> list[Chart]:
         over_time(f"measured, {worst.log}", worst.time, worst.position, "measured"),
         over_time("simulated", worst.time, simulated, "after"),
     )
-    return [Chart("closed loop", "time, s", f"position, {joint.position_unit}", curves)]
+    return [Chart("Position in closed loop", "time, s", f"position, {joint.position_unit}", curves)]

@@ -111,10 +111,7 @@ def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, .
 
 
 def smallest_of(content: Content, unit: str) -> tuple[tuple[str, str], ...]:
-    """Each further effect with the smallest torque that the logs would have shown, best first.
-
-    The text is empty for an effect that the logs would not have shown at any size.
-    """
+    """Each further effect with the smallest torque that the logs would have shown; empty: none."""
     found = []
     for x in content.get("smallest", ()):
         low, high = three(x["least"], 2), three(x["most"], 2)

@@ -164,7 +164,6 @@ def size_is_determined(effect: str, parameters: Mapping[str, Estimate]) -> bool:
     sizes = {n: x for n, x in parameters.items() if n in names and x.stderr is not None}
     if not sizes:
         return True
-    # two standard errors from no effect
     return any(
         abs(x.value - _NULL.get(name, 0.0)) > 2.0 * (x.stderr or 0.0) for name, x in sizes.items()
     )
