@@ -114,10 +114,8 @@ def _remaining(content: Content) -> float | None:
 def noise_of(content: Content, unit: str) -> tuple[str, float | None]:
     """The noise of the instruments in a sentence, and its value if plausible."""
     estimate, least = content.get("noise_floor"), _remaining(content)
-    if not estimate or least is None:
-        return _NO_NOISE, None
     # a noise is estimated to a factor of 1.5
-    if estimate > 1.5 * least:
+    if not estimate or least is None or estimate > 1.5 * least:
         return _NO_NOISE, None
     whole = content.get("drive", {}).get("rms", {}).get("after", {})
     drive = max((x for x in whole.values() if x), default=None)

@@ -76,9 +76,8 @@ def controller_file(report: Path, joint: str) -> Path | None:
 
 
 def _controller_name(page: str) -> str:
-    if page == "report.html":
-        return "controller.toml"
-    return Path(page).with_suffix(".controller.toml").name
+    own = Path(page).with_suffix(".controller.toml").name
+    return "controller.toml" if page == "report.html" else own
 
 
 def made(command: str, seconds: float | None = None) -> dict[str, Any]:

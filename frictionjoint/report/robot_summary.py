@@ -112,7 +112,7 @@ def summarise_robot(content: Content) -> RobotSummary:
     causes = [x.title for x in shared if not x.doubt]
     unsure = [x.title + x.doubt for x in shared if x.doubt]
     rivals = [f"{listed(x.rivals)} instead of {x.title}" for x in shared if x.rivals] + [
-        f"{name}: {listed(x.rivals)} instead of {x.title}"
+        f"in {name}, {listed(x.rivals)} instead of {x.title}"
         for name, s in joints.items()
         for x in s.effects
         if x.rivals

@@ -1,6 +1,6 @@
 """A report as plain text, for the terminal and `Report.summary`."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from frictionjoint.report.robot_summary import RobotSummary, summarise_robot
@@ -43,11 +43,11 @@ def _robot_text(s: RobotSummary) -> str:
         numbers = zip(s.friction_head, row.friction, strict=True)
         lines.append("  " + ", ".join(f"{name} {x}" for name, x in numbers))
     lines += [f"{name}: no result: {why}" for name, why in s.failed.items()]
-    for t in s.torsion:
-        lines.append(
-            f"{t.joint}: gear stiffness {t.stiffness}, backlash {t.backlash}, "
-            f"hysteresis {t.hysteresis}"
-        )
+    lines += [
+        f"{t.joint}: gear stiffness {t.stiffness}, backlash {t.backlash}, hysteresis {t.hysteresis}"
+        for t in s.torsion
+        if {t.stiffness, t.backlash, t.hysteresis} != {"none seen"}
+    ]
     return "\n".join([*lines, *_notes(s)])
 
 
@@ -58,7 +58,6 @@ def _notes(s: Summary | RobotSummary) -> list[str]:
     return lines
 
 
-def _labelled(rows: Any, indent: str = "") -> list[str]:
-    rows = list(rows)
+def _labelled(rows: Collection[tuple[str, str]], indent: str = "") -> list[str]:
     width = max((len(label) for label, _ in rows), default=0)
     return [f"{indent}{label + ':':<{width + 1}} {text}" for label, text in rows]
