@@ -50,5 +50,5 @@ def test_what_warmed_up_stays_warm_in_the_part_held_out(effect):
 def test_a_part_of_next_to_no_samples_tests_nothing():
     first, last = split_in_time(warming(), 0.004)
     fitted_on = prepare([first], BODY)
-    with pytest.raises(LogError, match=r"samples are left of it .*: hold out a longer part or log"):
+    with pytest.raises(LogError, match=r"independent samples: hold out a longer part or log"):
         prepare_kept_back([last], BODY, fitted_on)

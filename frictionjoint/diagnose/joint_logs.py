@@ -107,8 +107,8 @@ def prepare_kept_back(
     if left < 20:
         names = ", ".join(log.name for log in logs)
         raise LogError(
-            f"{names}: held out, but {left} samples are left of it in the balance's band of "
-            f"{fitted.band.balance:.3g} Hz: hold out a longer part or log"
+            f"{names}: too short to hold out: low-pass filtered to {fitted.band.balance:.3g} Hz it "
+            f"has {left} independent samples: hold out a longer part or log"
         )
     return kept
 

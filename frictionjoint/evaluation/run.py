@@ -281,7 +281,7 @@ def _of_joint(
         ] = None
     replayed = _replay_rms(curves)
     if replayed is not None and replayed > max(float(np.ptp(c.position)) for c in curves):
-        notes[f"{joint}: replayed runs leave the measured motion: no error is stated."] = None
+        notes[f"{joint}: no position error, as the simulation leaves the measured motion."] = None
         replayed = None
     return JointEvaluation(
         friction=friction_words(model, joint),
