@@ -200,7 +200,7 @@ def _missing(s: Summary) -> str:
     error = after.values[s.role] if after else None
     times = ""
     if noise and error is not None and error > AT_THE_FLOOR * noise:
-        times = f" The remaining error is {error / noise:.2g} times the noise of the instruments."
+        times = f" What remains is {three(error / noise, 2)} times the noise of the instruments."
     elif s.verdict == "partly-explained" and s.effects:
         times = " The remaining error is not noise: it keeps its sign for longer than noise does."
     rest = ""
