@@ -6,7 +6,7 @@ Sums of squares are by joint and block of time, shape (J, B), in units of each j
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import CLEARLY, LEAST_MOVED, SMALLEST_GAIN
+from frictionjoint.decisions import CLEARLY, LEAST_MOVED, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.robot.stack import Stack
 
 
@@ -61,8 +61,8 @@ def nearer(deviation: float, other: float) -> bool:
     Args:
         deviation, other: squared numbers over their prior variances.
     """
-    # by about the square of one presumed deviation
-    return deviation < other - 1.0
+    # the presumption makes the other one's deviation less than 5% as likely
+    return deviation < other + 2.0 * float(np.log(SIGNIFICANCE))
 
 
 def _moved(stack: Stack, before: Array, after: Array) -> float:
