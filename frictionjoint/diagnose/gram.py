@@ -199,19 +199,19 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         np.arange(x.shape[1]) >= c.columns.shape[1]
         for x, c in zip(sets[len(own) :], candidates, strict=True)
     ]
-    X = np.column_stack([np.zeros((len(target), 0)), *sets]) * w
+    # columns in memory one after the other
+    X = np.vstack([np.zeros((0, len(target))), *(x.T for x in sets)]).T * w
     size = lengths(X)
-    X = X / size
+    X /= size
     low, high = _ranges(fitted, own, candidates) * size
-    columns = np.column_stack([X, target * fitted.weight])
-    columns = without(columns, law)
+    columns = without(np.vstack([X.T, target * fitted.weight]).T, law)
     tested = white = columns[:, :0]
     if candidates:
         n_own = int(edges[len(own)])
-        known = np.column_stack([law, X[:, :n_own]])
-        U = np.column_stack([X, fitted.residual * fitted.weight])
+        known = np.vstack([law.T, X.T[:n_own]]).T
+        U = np.vstack([X.T, fitted.residual * fitted.weight]).T
         tested = without(U, known)
-        V = whitened(np.column_stack([known, U]), U[:, -1], fitted.log_index, blocks.noise)
+        V = whitened(np.vstack([known.T, U.T]).T, U[:, -1], fitted.log_index, blocks.noise)
         white = without(V[:, known.shape[1] :], V[:, : known.shape[1]])
     places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(

@@ -47,7 +47,8 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
         if not weak:
             return tuple(_tied(f, unsure) for f in seen)
         least = min(weak, key=lambda f: f.row.frequency).term
-        _leave_out(state, least)
+        state.prepared, state.fit = reweighed(state.prepared, without(state, least))
+        drop_idle(state)
 
 
 def _leave_out_undetermined(state: State) -> list[Term]:
@@ -93,11 +94,6 @@ def _tied(finding: Finding, unsure: list[Term]) -> Finding:
         for other in unsure:
             finding = finding.tied_with(other)
     return finding
-
-
-def _leave_out(state: State, term: Term) -> None:
-    state.prepared, state.fit = reweighed(state.prepared, without(state, term))
-    drop_idle(state)
 
 
 def _of_terms(state: State) -> list[Finding]:

@@ -12,7 +12,7 @@ extrapolated to none.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array, Index
+from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import LogError, ParameterError
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
@@ -47,6 +48,7 @@ from frictionjoint.simulate.carrier import install
 # estimate: value at variance 0 of the parabola through the estimates at variances 1, 2 and 3. The
 # two signs cancel what is linear in the added noise.
 _EXTRAPOLATED = ((0.0, (1.0,), 3.0), (1.0, (1.0, -1.0), -3.0), (2.0, (1.0, -1.0), 1.0))
+_OF_LEVEL = {e.name for e in CATALOGUE if e.entry == "scales the friction level"}
 
 
 @dataclass(frozen=True)
@@ -169,6 +171,7 @@ class _Part:
         log: as read. corner: of the filter of its motion, Hz. noise: of its position, one standard
             deviation, drawn at each sample, shape (n,).
         block: duration of a block, s. blocks: number of them.
+        acts: torque per unit of each number of an effect, found along the first motion, (m,).
     """
 
     log: JointLog
@@ -176,6 +179,7 @@ class _Part:
     noise: Array
     block: float
     blocks: int
+    acts: dict[Number, Array] = field(default_factory=dict)
 
     @classmethod
     def of(cls, known: Known, log: JointLog) -> "_Part":
@@ -250,8 +254,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
     if added:
         log = replace(log, position=log.position + added * part.noise)
     recording = Recording.of({known.joint: log}, part.corner, grid_steps(part.corner))
-    content = known.content
-    own = joint_friction(dict(content))
+    own = joint_friction(dict(known.content))
 
     def needed(friction: JointFriction | None) -> tuple[Array, Array]:
         model = known.model if friction is None else _with_friction(known, friction)
@@ -271,15 +274,18 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
     for number, value in zip(numbers, known.values, strict=True):
         by = 0.02 * value
         try:
-            other = changed(content, number, by)
+            other = changed(known.content, number, by)
         except ParameterError:
             by = -by
-            other = changed(content, number, by)
+            other = changed(known.content, number, by)
         if number.of_law:
             moved = friction_torque(other.parameters, recording.time, q)
             columns.append(recording.filter(moved - law) / by)
         else:
-            columns.append((needed(other)[0] - base) / by)
+            # noise of the position changes the friction level, and hardly how other effects act
+            if number not in part.acts or number.name.partition(" ")[0] in _OF_LEVEL:
+                part.acts[number] = (needed(other)[0] - base) / by
+            columns.append(part.acts[number])
     columns.append(-np.gradient(acted, recording.step))
     every = max(1, int(1.0 / (A_BALANCE * recording.smooth.corner_hz * recording.step)))
     kept = np.flatnonzero(recording.known[known.joint])[::every]
@@ -304,7 +310,5 @@ def _with_friction(known: Known, friction: JointFriction) -> str:
     model, _ = before_friction(known.model, [known.joint])
     spec: mujoco.MjSpec = read_spec(model)
     install(spec, {known.joint: friction.parameters}, {known.joint: friction.effects})
-    compiled = spec.compile()
-    assert known.joint in blocks(compiled)
-    text: str = spec.to_xml()
-    return text
+    assert known.joint in blocks(spec.compile())
+    return str(spec.to_xml())
