@@ -104,7 +104,7 @@ def said(found: Shared) -> list[dict[str, Any]]:
             "cause": c.name,
             "place": list(c.place.values()),
             "values": {n: v for n, (v, _) in c.values(settled.original, x).items()},
-            "ties": list(choice.ties),
+            "ties": list(choice.evidence.ties),
         }
         for c, x, choice in zip(settled.causes, settled.numbers, found.choices, strict=True)
     ]
@@ -113,7 +113,7 @@ def said(found: Shared) -> list[dict[str, Any]]:
             "cause": common.term.name,
             "place": list(common.joints),
             "values": {n: x.value for n, x in common.parameters.items()},
-            "ties": list(choice.ties),
+            "ties": list(choice.evidence.ties),
         }
         for common, choice in found.common
     ]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.chance import FLIPS
 from frictionjoint.diagnose.library import drive_terms
@@ -27,6 +28,7 @@ from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import COARSE, COMPARING_STEPS
 from frictionjoint.identify.terms import EffectTerm, Term, all_but, in_place
+from frictionjoint.identify.timing import Timing
 from frictionjoint.threads import side_by_side
 
 # steps of a fit to thinned logs; effects that are fitted to all samples
@@ -47,6 +49,11 @@ class Driven(NamedTuple):
     look: Look
     tried: tuple[tuple[EffectTerm, Scored], ...]
     now: Scored
+
+
+def long_offsets(fitted: Fit) -> int:
+    """Number of time offsets of more than half a sample, which may stand for another effect."""
+    return sum(isinstance(t, Timing) and t.is_long for t in fitted.terms)
 
 
 def part_left(fitted: Fit) -> float:
@@ -99,7 +106,14 @@ def judged(
             tried.append((moved, scored(found, blocks)))
     if not tried:
         return None
-    tried.sort(key=lambda pair: -pair[1].gain(now))
+    most = max(score.gain(now) for _, score in tried)
+
+    def rank(pair: tuple[EffectTerm, Scored]) -> tuple[int, float]:
+        gain = pair[1].gain(now)
+        return long_offsets(pair[1].fit) if gain >= (1.0 - TIE) * most else 0, -gain
+
+    # of those that explain as much, first one that needs no such offset
+    tried.sort(key=rank)
     squares = [score.squares for _, score in tried]
     won = _frequencies(squares, rng)
     rows = [

@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionjoint.decisions import APART
 from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.drive import look_at_drive
+from frictionjoint.diagnose.drive import long_offsets, look_at_drive
 from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import drive_terms
@@ -40,7 +40,8 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         if found is None or not others:
             continue
         term, score = others[0]
-        if numbers_of(term) > numbers_of(replaced):
+        more = long_offsets(score.fit) - long_offsets(state.fit)
+        if numbers_of(term) + more > numbers_of(replaced):
             continue
         prepared, other = reweighed(state.prepared, score.fit)
         after = state.blocks_of(prepared, other)

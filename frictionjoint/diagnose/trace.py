@@ -38,6 +38,7 @@ from frictionjoint.diagnose.state import (
     State,
     compared,
     is_small,
+    numbers_of,
 )
 from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, unbent
 from frictionjoint.identify.base_fit import base_fit
@@ -98,9 +99,7 @@ def trace(
         if bent and not (taken and _early(state)):
             laws.ripen(state.prepared, state.fit.effects)
             bent = False
-        changed = (
-            _follow(state) or taken or exchange_drive(state, rng) or exchange_for_drive(state, rng)
-        )
+        changed = _follow(state) or taken or _exchanged(state, rng)
         if not changed:
             # what another law would explain in part may be an effect after all
             state.law_errs = False
@@ -118,6 +117,14 @@ def trace(
 
 def _names(state: State) -> tuple[str, ...]:
     return tuple(sorted(t.name for t in state.fit.effects))
+
+
+def _exchanged(state: State, rng: np.random.Generator) -> bool:
+    """Whether an effect took another one's place; effects that it makes redundant are dropped."""
+    if exchange_drive(state, rng) or exchange_for_drive(state, rng):
+        drop_idle(state)
+        return True
+    return False
 
 
 def _step(state: State, rng: np.random.Generator) -> list[str]:
@@ -235,7 +242,9 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     while choice:
         changed = _changed(state, choice, tried, now)
         names = _more(changed.fit, state.fit, choice.taken.move)
-        if names and not state.laws.do_without(state.prepared, state.fit, changed.fit):
+        # what takes the place of another effect explains no more than that one
+        grown = _size(changed.fit) > _size(state.fit)
+        if names and not (grown and state.laws.do_without(state.prepared, state.fit, changed.fit)):
             state.prepared, state.fit = changed.prepared, changed.fit
             state.findings = changed.findings
             if best_forms(state):
@@ -247,6 +256,10 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
         tried = [t for t in tried if t is not choice.taken]
         choice = chosen(now, tried)
     return []
+
+
+def _size(fitted: Fit) -> int:
+    return sum(map(numbers_of, fitted.effects))
 
 
 def _unbent(state: State, now: Scored, blocks: Blocks) -> list[Tried]:

@@ -315,24 +315,25 @@ class Search:
             return 1.0
         return max(self._size(self._drive(y)) / self.size, _HARDLY)
 
-    def _holding(self, terms: tuple[Term, ...], beta: Array) -> float:
+    def _holding(self, terms: tuple[Term, ...], X: Array, beta: Array) -> float:
         """Torque per small error of position, relative to that before effects changed it."""
-        scaling = [
-            1.0 + float(beta[self.layout.coefficients(i)][0])
-            for i, term in enumerate(terms)
-            if term.effect.scales
-        ]
-        changed = scaling or any(isinstance(term, DriveTerm) for term in terms)
+        own = [(term, self.layout.coefficients(i)) for i, term in enumerate(terms)]
+        scaling = [1.0 + float(beta[at][0]) for term, at in own if term.effect.scales]
+        added = [X[:, at] @ beta[at] for term, at in own if term.effect.entry == "adds torque"]
+        changed = scaling or added or any(isinstance(term, DriveTerm) for term in terms)
         if not (self.prepared.commanded and changed):
             return 1.0
         (whole,) = self.prepared.bundles(1)
         position = whole.kept(whole.row(Q)[None])[:, 0]
         travel = self._size(position - np.average(position, weights=self.weight))
-        load = self._size(self.prepared.balanced_load) / travel
+        load = self.prepared.balanced_load
         if self.prepared.gain_unknown:
-            load *= float(beta[self.layout.base.index("load")])
-        held = np.maximum(self.balance.answer(()), 0.0) + load
-        holds = np.maximum(self.balance.answer(terms), 0.0) + max(load * math.prod(scaling), 0.0)
+            load = load * float(beta[self.layout.base.index("load")])
+        # a drive and a load that both hardly act would agree on any motion
+        loads = self._size(load) / travel, self._size(load + sum(added)) / travel
+        held = np.maximum(self.balance.answer(()), 0.0) + loads[0]
+        holds = np.maximum(self.balance.answer(terms), 0.0)
+        holds += max(loads[1] * math.prod(scaling), 0.0)
         least = _HARDLY * float(np.max(held))
         change = np.log(np.maximum(holds, least) / np.maximum(held, least))
         return float(np.exp(np.average(change, weights=self.weight**2)))
@@ -408,6 +409,6 @@ class Search:
             begun=np.hstack([np.zeros((len(y), 0)), *swings]) * gain,
             target_rms=root_mean_square(self._drive(y) * gain),
             acting=acting,
-            holding=self._holding(terms, beta),
+            holding=self._holding(terms, X, beta),
             commanded=self.prepared.commanded,
         )

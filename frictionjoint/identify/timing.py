@@ -40,6 +40,11 @@ class Timing:
         return abs(self.shape[0]) > 0.9 * self.sample
 
     @property
+    def is_long(self) -> bool:
+        """Whether the offset is longer than half its sample."""
+        return abs(self.shape[0]) > 0.5 * self.sample
+
+    @property
     def free_shape(self) -> tuple[float, ...]:
         """The time, s."""
         return self.shape

@@ -12,6 +12,9 @@ from arms.arm import (
     hide_supply,
     random_arm,
 )
+from limited_and_late import CONTROLLER as LATE_CONTROLLER
+from limited_and_late import LATE, LIMIT, MISSING, recorded
+from limited_and_late import MODEL as LATE_MODEL
 from make_plants import write_plant
 from plants.spec import Effect
 from round_trip_drive import DRIVES, drive_trip
@@ -191,6 +194,15 @@ def test_a_limit_that_the_model_lacks_is_an_end_stop_and_no_drive_that_saturates
     assert report.added[0].effect == "end-stop"
     assert report.added[0].parameters["position"].value == pytest.approx(0.4, abs=0.02)
     assert not [note for note in report.notes if "saturates" in note]
+
+
+def test_a_late_torque_beside_a_limit_is_no_gain_with_a_late_target():
+    logs = [recorded(0.3)], LATE_MODEL, "j", [recorded(0.15)]
+    said = {a.effect: a for a in close_loop(*logs, controller=LATE_CONTROLLER).added}
+    assert set(said) == {"inertia-error", "drive-limit", "measurement-delay"}
+    sizes = [next(iter(a.parameters.values())).value for a in said.values()]
+    wanted = {"inertia-error": MISSING, "drive-limit": LIMIT, "measurement-delay": LATE}
+    assert sizes == pytest.approx([wanted[name] for name in said], rel=0.1)
 
 
 def test_a_motor_that_gives_less_as_it_warms_is_named_with_its_size():
