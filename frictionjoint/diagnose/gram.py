@@ -152,7 +152,9 @@ def _least_squares(A: Array, b: Array, low: Array, high: Array) -> Array:
         A: Gram matrices of the columns, shape (f, k, k). b: their products with the target, (f, k).
         low, high: shape (k,).
     """
-    scale = np.sqrt(np.maximum(np.diagonal(A, axis1=1, axis2=2), 1e-300))
+    size = np.diagonal(A, axis1=1, axis2=2)
+    # what the data without a fold do not show has no coefficient there
+    scale = np.where(size > 1e-20 * size.max(axis=0), np.sqrt(np.maximum(size, 0.0)), 1e150)
     inside = A / (scale[:, :, None] * scale[:, None, :])
     inverse = pseudo_inverse(inside)
     beta = (inverse @ (b / scale)[..., None])[..., 0] / scale
