@@ -112,7 +112,9 @@ def with_assumed_breakaway(prepared: Prepared, fitted: Fit) -> Fit:
     """
     shape, law = fitted.shape, _law(prepared, fitted)
     levels = [law[name] for name in ("Fs_pos", "Fs_neg") if name in law]
-    if not fitted.has_level or not any(x.is_loose for x in levels):
+    # with a gain that the logs do not show the level may be none in N m
+    known = fitted.has_level and law["Fc_pos"].value > 0.0
+    if not known or not any(x.is_loose for x in levels):
         return fitted
     assert isinstance(shape, IntegratedShape | RivalShape | ConstraintShape)
     most = max(x.value for x in levels) / law["Fc_pos"].value - 1.0
