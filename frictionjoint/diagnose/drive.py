@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.chance import FLIPS
 from frictionjoint.diagnose.library import drive_terms
@@ -106,14 +105,7 @@ def judged(
             tried.append((moved, scored(found, blocks)))
     if not tried:
         return None
-    most = max(score.gain(now) for _, score in tried)
-
-    def rank(pair: tuple[EffectTerm, Scored]) -> tuple[int, float]:
-        gain = pair[1].gain(now)
-        return long_offsets(pair[1].fit) if gain >= (1.0 - TIE) * most else 0, -gain
-
-    # of those that explain as much, first one that needs no such offset
-    tried.sort(key=rank)
+    tried.sort(key=lambda pair: -pair[1].gain(now))
     squares = [score.squares for _, score in tried]
     won = _frequencies(squares, rng)
     rows = [
