@@ -27,7 +27,8 @@ from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import in_order
-from frictionjoint.identify.terms import DriveTerm, Term, in_place
+from frictionjoint.identify.search import refit
+from frictionjoint.identify.terms import DriveTerm, Term, all_but, in_place
 from frictionjoint.identify.weights import reweighed
 
 
@@ -198,9 +199,12 @@ def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
 
 
 def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tuple[Fit, Look]]:
-    """Replace the i-th effect by the most promising joint effects with no more parameters."""
-    own = state.fit.effects
-    rest = replace(state, fit=without(state, own[i]))
+    """Replace the i-th effect by the most promising joint effects with no more parameters.
+
+    The law is kept as fitted with the effect, because a refit without it would be biased.
+    """
+    own, law = state.fit.effects, state.fit.shape
+    rest = replace(state, fit=refit(state.prepared, all_but(own, own[i]), law, steps=1))
     among = [
         c for c in rest.candidates if not c.unnamed and numbers_of(c.term) <= numbers_of(own[i])
     ]
@@ -208,7 +212,7 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
         return []
     seen, _ = look(rest.fit, rest.blocks, among, rng)
     terms = [in_place(own, i, r.candidate.term) for r in seen.rows[:ALTERNATIVES]]
-    return [(compared(state.prepared, t, rest.fit.shape), seen) for t in terms]
+    return [(compared(state.prepared, t, law), seen) for t in terms]
 
 
 def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> None:

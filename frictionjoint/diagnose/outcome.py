@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import settle_ties, weigh_others
@@ -53,6 +54,8 @@ def finish_search(
                 unit, _ = units_of(state.fit, state.prepared.slide)
                 hints.append(term.says(state.fit.term_coefficients(i), unit))
     not_given: tuple[NotGiven, ...] = ()
+    # of several dependences one may be left without its share
+    said = {name: x for name, x in unexplained.items() if x >= TIE * max(unexplained.values())}
     if unexplained:
         not_given = _without_unnamed(state, replayed)
         unit, _ = units_of(state.fit, state.prepared.slide)
@@ -73,7 +76,7 @@ def finish_search(
         base=base,
         findings=findings,
         final=state.fit,
-        unexplained=tuple(sorted(unexplained.items(), key=lambda x: -x[1])),
+        unexplained=tuple(sorted(said.items(), key=lambda x: -x[1])),
         hints=tuple(filter(None, hints)),
         not_given=not_given,
         last_look=state.look,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from frictionjoint.decisions import APART, LEAST_MOVED, LEAST_MOVED_OF_DRIVE, SMALLEST_GAIN, TIE
-from frictionjoint.diagnose.candidate import Candidate
+from frictionjoint.diagnose.candidate import Candidate, is_unnamed
 from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.moves import Kind, Look
@@ -160,8 +160,10 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
 
 
 def is_small(term: Term, now: Scored, other: Scored) -> bool:
-    """Whether an effect changes the drive by less than an erroneous law may require."""
-    return isinstance(term, DriveTerm) and now.of_drive(other) < LEAST_MOVED_OF_DRIVE
+    """Whether an effect changes the drive by less than an erroneous law may require, or an unnamed
+    dependence a reconstructed drive."""
+    of_drive = isinstance(term, DriveTerm) or (now.fit.commanded and is_unnamed(term))
+    return of_drive and now.of_drive(other) < LEAST_MOVED_OF_DRIVE
 
 
 def numbers_of(term: Term) -> int:

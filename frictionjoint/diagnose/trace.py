@@ -231,6 +231,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     ]
     with side_by_side() as each:
         tried = list(each(attempt, worth))
+    tried = [t for t in tried if not any(is_small(c.term, t.score, now) for c in t.move.added)]
     choice = chosen(now, tried)
     if not choice or choice.taken.move.unnamed:
         # before the search ends or accepts an unnamed term: could a biased law mask an effect?
