@@ -243,7 +243,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     while choice:
         changed = _changed(state, choice, tried, now)
         names = _more(changed.fit, state.fit, choice.taken.move)
-        # what takes the place of another effect explains no more than that one
+        # what replaces an effect need not explain more than that one
         grown = _size(changed.fit) > _size(state.fit)
         if names and not (grown and state.laws.do_without(state.prepared, state.fit, changed.fit)):
             state.prepared, state.fit = changed.prepared, changed.fit
