@@ -160,8 +160,8 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
 
 
 def is_small(term: Term, now: Scored, other: Scored) -> bool:
-    """Whether an effect of the drive is below the error of a law, or an unnamed dependence below the
-    error of a drive that a controller's file gives."""
+    """Whether an effect of the drive is below the error of a law, or an unnamed dependence below
+    that of a drive computed from a controller's file."""
     of_drive = isinstance(term, DriveTerm) or (now.fit.commanded and is_unnamed(term))
     return of_drive and now.of_drive(other) < LEAST_MOVED_OF_DRIVE
 
