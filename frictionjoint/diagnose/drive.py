@@ -27,7 +27,6 @@ from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import COARSE, COMPARING_STEPS
 from frictionjoint.identify.terms import EffectTerm, Term, all_but, in_place
-from frictionjoint.identify.timing import Timing
 from frictionjoint.threads import side_by_side
 
 # steps of a fit to thinned logs; effects that are fitted to all samples
@@ -48,11 +47,6 @@ class Driven(NamedTuple):
     look: Look
     tried: tuple[tuple[EffectTerm, Scored], ...]
     now: Scored
-
-
-def long_offsets(fitted: Fit) -> int:
-    """Number of time offsets of more than half a sample, which may stand for another effect."""
-    return sum(isinstance(t, Timing) and t.is_long for t in fitted.terms)
 
 
 def part_left(fitted: Fit) -> float:

@@ -9,12 +9,12 @@ import numpy as np
 
 from frictionjoint.decisions import APART
 from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.drive import long_offsets, look_at_drive
+from frictionjoint.diagnose.drive import look_at_drive
 from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, compared, is_small, numbers_of, without
+from frictionjoint.diagnose.state import State, as_much, compared, is_small, size_of, without
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
@@ -40,8 +40,7 @@ def exchange_for_drive(state: State, rng: np.random.Generator) -> bool:
         if found is None or not others:
             continue
         term, score = others[0]
-        more = long_offsets(score.fit) - long_offsets(state.fit)
-        if numbers_of(term) + more > numbers_of(replaced):
+        if size_of(score.fit) > size_of(state.fit):
             continue
         prepared, other = reweighed(state.prepared, score.fit)
         after = state.blocks_of(prepared, other)

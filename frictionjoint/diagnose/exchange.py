@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.diagnose.candidate import Candidate, is_unnamed
-from frictionjoint.diagnose.drive import long_offsets, others_of_drive
+from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import other_forms
@@ -21,6 +21,7 @@ from frictionjoint.diagnose.state import (
     is_small,
     needed,
     numbers_of,
+    size_of,
     without,
 )
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
@@ -150,8 +151,7 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
         now = scored(state.fit, state.blocks)
         for other, seen in [*_other_drives(state, i), *_joints_instead(state, i, rng)]:
             instead = other.effects[i]
-            more = long_offsets(other) - long_offsets(state.fit)
-            simpler = numbers_of(instead) + more < numbers_of(term)
+            simpler = size_of(other) < size_of(state.fit)
             alike = instead.name == term.name
             before = scored(other, state.blocks)
             if apart(now, before) and not simpler:

@@ -17,6 +17,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.starts import COMPARING_STEPS
 from frictionjoint.identify.terms import DriveTerm, Term, all_but
+from frictionjoint.identify.timing import Timing
 
 # changes of a model after which a search ends
 MOST_CHANGES = 16
@@ -169,3 +170,10 @@ def is_small(term: Term, now: Scored, other: Scored) -> bool:
 def numbers_of(term: Term) -> int:
     """Number of estimated parameters; the model with fewer is the simpler one."""
     return len(term.coefficients) + len(term.free_shape)
+
+
+def size_of(fitted: Fit) -> int:
+    """Number of estimated parameters of all effects, and of time offsets beyond half a sample,
+    which may stand for another effect."""
+    late = sum(isinstance(t, Timing) and t.is_long for t in fitted.terms)
+    return late + sum(map(numbers_of, fitted.effects))

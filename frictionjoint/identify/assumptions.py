@@ -110,25 +110,25 @@ def with_assumed_breakaway(prepared: Prepared, fitted: Fit) -> Fit:
     It is that of Coulomb friction, or as little above it as the logs allow. More than twice Coulomb
     friction is rare, so it must reduce the residual by more than chance.
     """
+    if not fitted.has_level:
+        return fitted
     shape, law = fitted.shape, _law(prepared, fitted)
     levels = [law[name] for name in ("Fs_pos", "Fs_neg") if name in law]
     # with a gain that the logs do not show the level may be none in N m
-    known = fitted.has_level and law["Fc_pos"].value > 0.0
-    if not known or not any(x.is_loose for x in levels):
+    if law["Fc_pos"].value <= 0.0 or not any(x.is_loose for x in levels):
         return fitted
     assert isinstance(shape, IntegratedShape | RivalShape | ConstraintShape)
     most = max(x.value for x in levels) / law["Fc_pos"].value - 1.0
-    tried = []
+    found, refused = fitted, []
     for excess in (*(x for x in (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0) if x < most), most):
-        found = refit(prepared, fitted.effects, shape.with_assumed_breakaway(excess), ROUGH)
-        if _allowed(found, fitted):
+        tried = refit(prepared, fitted.effects, shape.with_assumed_breakaway(excess), ROUGH)
+        if _allowed(tried, fitted):
             if excess <= 1.0:
-                return found
+                return tried
+            found = tried
             break
-        tried.append(found)
-    else:
-        found = fitted
-    return next((x for x in tried if _by_chance(prepared, x, fitted)), found)
+        refused.append(tried)
+    return next((x for x in refused if _by_chance(prepared, x, fitted)), found)
 
 
 def _allowed(found: Fit, fitted: Fit, growth: float = CLEARLY) -> bool:

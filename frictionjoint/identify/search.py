@@ -317,11 +317,12 @@ class Search:
 
     def _holding(self, terms: tuple[Term, ...], X: Array, beta: Array) -> float:
         """Torque per small error of position, relative to that before effects changed it."""
+        if not self.prepared.commanded:
+            return 1.0
         own = [(term, self.layout.coefficients(i)) for i, term in enumerate(terms)]
         scaling = [1.0 + float(beta[at][0]) for term, at in own if term.effect.scales]
         added = [X[:, at] @ beta[at] for term, at in own if term.effect.entry == "adds torque"]
-        changed = scaling or added or any(isinstance(term, DriveTerm) for term in terms)
-        if not (self.prepared.commanded and changed):
+        if not (scaling or added or any(isinstance(term, DriveTerm) for term in terms)):
             return 1.0
         (whole,) = self.prepared.bundles(1)
         position = whole.kept(whole.row(Q)[None])[:, 0]
