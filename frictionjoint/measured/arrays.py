@@ -4,7 +4,8 @@ Rows or columns of a matrix are named as in Python: ``q[0]``.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -74,31 +75,37 @@ def _part(where: str, source: str, number: int | None, array: Array) -> Array:
     return np.asarray(parts[number])
 
 
-def npz_names(path: Path) -> list[str]:
-    """Names of the arrays in an .npz file, of the signals in a recording of mujoco.sysid."""
+@contextmanager
+def opened_npz(path: Path) -> Iterator[Any]:
+    """The arrays of an .npz file by name.
+
+    Raises:
+        LogError: the file is corrupt, also where an array is read within the context.
+    """
     try:
         with np.load(path, allow_pickle=False) as archive:
-            return list(mujoco_sysid.signals(archive) or archive.files)
+            yield archive
+    except LogError:
+        raise
     except Exception as error:  # zip, zlib and numpy raise different errors on a corrupt file
         raise corrupt(path, error) from None
 
 
+def npz_names(path: Path) -> list[str]:
+    """Names of the arrays in an .npz file, of the signals in a recording of mujoco.sysid."""
+    with opened_npz(path) as archive:
+        return list(mujoco_sysid.signals(archive) or archive.files)
+
+
 def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     """Requested columns of an .npz file; 8 bytes per number."""
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            if recorded := mujoco_sysid.signals(archive):
-                return {
-                    name: column(path, name, recorded[whole(name)], whole(name)) for name in names
-                }
-            # an array may have such a name itself
-            sources = {x: x if x in archive.files else whole(x) for x in names}
-            arrays = {source: archive[source] for source in {*sources.values()}}
-            return {name: column(path, name, arrays[x], x) for name, x in sources.items()}
-    except LogError:
-        raise
-    except Exception as error:
-        raise corrupt(path, error) from None
+    with opened_npz(path) as archive:
+        arrays = mujoco_sysid.signals(archive) or archive
+        there = list(arrays)
+        # an array may have such a name itself
+        sources = {x: x if x in there else whole(x) for x in names}
+        used = {source: arrays[source] for source in {*sources.values()}}
+        return {name: column(path, name, used[x], x) for name, x in sources.items()}
 
 
 def mat_names(path: Path) -> list[str]:

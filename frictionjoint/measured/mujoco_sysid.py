@@ -15,7 +15,9 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 
-_SERIES = ("sensordata", "state", "control")
+# prefixes of the names of arrays
+_CONTROL = "control_"
+_SERIES = ("sensordata_", "state_", _CONTROL)
 _STATE = {"_qpos": ".position_rad", "_qvel": ".velocity_rad_s"}
 # numbers that its mapping gives to positions and velocities of the state
 _KINDS = {2: "_qpos", 3: "_qvel"}
@@ -27,38 +29,31 @@ def signals(archive: Mapping[str, Array]) -> dict[str, Array] | None:
     Returns:
         None if the archive is not such a recording.
     """
-    if "times" in archive and "data" in archive:
-        series = {"": (archive["times"], archive["data"], _names(archive, "signal_mapping"))}
-    else:
-        series = {
-            name: (
-                archive[f"{name}_times"],
-                archive[f"{name}_data"],
-                _names(archive, f"{name}_signal_mapping"),
-            )
-            for name in _SERIES
-            if f"{name}_times" in archive and f"{name}_data" in archive
-        }
+    # a single series is saved without a prefix
+    alone = "times" in archive and "data" in archive
+    series = {
+        name: (archive[f"{name}times"], archive[f"{name}data"], _names(archive, name))
+        for name in ([""] if alone else _SERIES)
+        if f"{name}times" in archive and f"{name}data" in archive
+    }
     if not any(names for _, _, names in series.values()):
         return None
     time = np.asarray(next(iter(series.values()))[0], dtype=np.float64)
-    for name, (given, _, _) in series.items():
-        if name == "control":  # what is asked for before the first control is unknown
-            time = time[time >= given[0]]
+    if _CONTROL in series:  # what is asked for before the first control is unknown
+        time = time[time >= series[_CONTROL][0][0]]
     found = {"time_s": time}
     for name, (given, data, names) in series.items():
         at = np.clip(np.searchsorted(given, time, side="right") - 1, 0, len(given) - 1)
         for signal, columns in names.items():
             x = np.asarray(data, dtype=np.float64)[:, columns]
-            parts = [
-                part[at] if name == "control" else np.interp(time, given, part) for part in x.T
-            ]
+            parts = [part[at] if name == _CONTROL else np.interp(time, given, part) for part in x.T]
             found[signal] = np.stack(parts, axis=1) if len(parts) > 1 else parts[0]
     return found
 
 
-def _names(archive: Mapping[str, Array], mapping: str) -> dict[str, list[int]]:
+def _names(archive: Mapping[str, Array], series: str) -> dict[str, list[int]]:
     """Columns of each signal."""
+    mapping = f"{series}signal_mapping"
     if mapping not in archive:
         return {}
     found = {}

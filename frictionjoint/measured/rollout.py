@@ -17,7 +17,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.arrays import corrupt
+from frictionjoint.measured.arrays import opened_npz
 from frictionjoint.measured.columns import one_joint, options
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
@@ -53,9 +53,9 @@ def is_rollout(path: Path, columns: Mapping[str, str] | None) -> bool:
     if path.suffix.lower() != ".npz" or not set(columns or ()) <= {"joints", "world"}:
         return False
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            held = set(archive.files)
-    except Exception:  # said where it is read as a table
+        with opened_npz(path) as archive:
+            held = set(archive)
+    except LogError:  # said where it is read as a table
         return False
     drives = (*_NAMES["target_rad"], *_NAMES["torque_nm"])
     return bool(held & set(_NAMES["position_rad"])) and bool(held & set(drives))
@@ -144,11 +144,8 @@ def _arrays(path: Path) -> tuple[dict[str, Array], list[str]]:
     """Arrays of numbers by name, and the joint names in the file."""
     if path.suffix.lower() == ".pt":
         return read_tensors(path), []
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except Exception as error:  # zip, zlib, numpy headers: each raises its own on a corrupt file
-        raise corrupt(path, error) from None
+    with opened_npz(path) as archive:
+        arrays = {name: archive[name] for name in archive}
     names = next((arrays[name] for name in _JOINTS if name in arrays), np.array([], dtype=str))
     numbers = {n: x.astype(np.float64) for n, x in arrays.items() if x.dtype.kind in "fiu"}
     return numbers, [str(name) for name in names.ravel()]

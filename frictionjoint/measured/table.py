@@ -5,12 +5,11 @@ read, 8 bytes per row each; at most three times that is used while reading. Meas
 of 10 million rows take 320 MB, with a peak of 930 MB (CSV) or 770 MB (Parquet).
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
@@ -36,9 +35,21 @@ from frictionjoint.measured.repairs import (
     without_repeats,
 )
 from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
-from frictionjoint.measured.validate import check_columns, check_leaps, check_moves, check_rows
+from frictionjoint.measured.validate import (
+    check_columns,
+    check_leaps,
+    check_lengths,
+    check_moves,
+    check_rows,
+)
 
 TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat", *hdf5.ENDINGS)
+_Arrays = tuple[Callable[[Path], list[str]], Callable[[Path, list[str]], dict[str, Array]]]
+_ARRAYS: dict[str, _Arrays] = {
+    ".npz": (npz_names, npz_columns),
+    ".mat": (mat_names, mat_columns),
+    **dict.fromkeys(hdf5.ENDINGS, (hdf5.hdf5_names, hdf5.hdf5_columns)),
+}
 _SHARED = ("time_s", "temperature_c", "supply_v", "torque_enabled")
 
 
@@ -89,14 +100,6 @@ def read_table(
     return replace(log, metadata={name: float(x[0]) for name, x in same.items()})
 
 
-def _rows_without_nan(columns: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Which rows have a number in every column, shape (n,)."""
-    kept = np.ones(len(next(iter(columns.values()))), dtype=np.bool_)
-    for x in columns.values():
-        kept &= ~np.isnan(x)
-    return kept
-
-
 def _require_si(path: Path, wanted: Mapping[str, str], units: Mapping[str, str]) -> None:
     """Raise LogError if a line of units contradicts the name of a column."""
     line, cells = text_table.units_row(path)
@@ -133,27 +136,28 @@ def log_of(
     if units:
         own_names = {k: k if k in _SHARED or "." in k else f"{joint}.{k}" for k in data}
         data = {k: converted(path.name, own_names[k], x, units) for k, x in data.items()}
-    text = _has_header(path)
-    further = signals or {}
-    kept = _rows_without_nan({**data, **further}) if drop_nan else None
+    text, further, kept = _has_header(path), signals or {}, None
     dropped: tuple[str, ...] = ()
-    if kept is not None and not kept.all():
-        dropped = (
-            f"{path.stem}: {int((~kept).sum())} of {len(kept)} rows with an empty cell or NaN were "
-            "left out.",
-        )
-        data = {name: x[kept] for name, x in data.items()}
-        further = {name: x[kept] for name, x in further.items()}
-    places = None if kept is None else np.flatnonzero(kept)
-
-    def line(i: int) -> int:
-        return text_table.line_of(path, i if places is None else int(places[i]))
-
-    row = line if text else 1
 
     def shown(columns: dict[str, Array]) -> dict[str, Array]:
         own = {k if k in _SHARED or "." in k else prefix + k: x for k, x in columns.items()}
         return own | further
+
+    if drop_nan:
+        check_lengths(path.name, shown(data))
+        empty = np.logical_or.reduce([np.isnan(x) for x in (data | further).values()])
+        kept = np.flatnonzero(~empty)
+        data, further = ({name: x[kept] for name, x in part.items()} for part in (data, further))
+        if empty.any():
+            dropped = (
+                f"{path.stem}: {int(empty.sum())} of {len(empty)} rows with an empty cell or NaN "
+                "were left out.",
+            )
+
+    def row(i: int) -> int:
+        """Number of a sample's row in the file, as an editor counts it."""
+        place = i if kept is None else int(kept[i])
+        return text_table.line_of(path, place) if text else place + 1
 
     data["time_s"], runs = with_one_clock(data["time_s"])
     check_rows(path.name, shown(data), row)
@@ -181,28 +185,25 @@ def _from_columns(
 ) -> JointLog:
     """A log from checked columns with our names."""
 
-    def first(*choices: str) -> Array | None:
-        return next((data[key] for key in choices if key in data), None)
-
     def others(quantity: str) -> dict[str, Array]:
         parts = ((key.rpartition("."), x) for key, x in data.items())
         return {other: x for (other, dot, unit), x in parts if dot and unit.startswith(quantity)}
 
     slide = "position_m" in data
-    enabled = first("torque_enabled")
+    enabled = data.get("torque_enabled")
     return JointLog(
         name=name,
         joint=joint,
         time=data["time_s"],
         position=data["position_m" if slide else "position_rad"],
-        velocity=first("velocity_m_s" if slide else "velocity_rad_s"),
-        torque=first("force_n" if slide else "torque_nm"),
-        voltage=first("voltage_v"),
-        current=first("current_a"),
-        temperature=first("temperature_c"),
-        target=first("target_m" if slide else "target_rad"),
-        supply=first("supply_v"),
-        motor_position=first("motor_position_rad"),
+        velocity=data.get("velocity_m_s" if slide else "velocity_rad_s"),
+        torque=data.get("force_n" if slide else "torque_nm"),
+        voltage=data.get("voltage_v"),
+        current=data.get("current_a"),
+        temperature=data.get("temperature_c"),
+        target=data.get("target_m" if slide else "target_rad"),
+        supply=data.get("supply_v"),
+        motor_position=data.get("motor_position_rad"),
         torque_enabled=None if enabled is None else enabled > 0.5,
         slide=slide,
         other_positions=others("position"),
@@ -210,19 +211,6 @@ def _from_columns(
         signals=signals,
         notes=notes,
     )
-
-
-def _in_hdf5(path: Path) -> bool:
-    """Whether a file holds HDF5; MATLAB 7.3 does."""
-    kind = path.suffix.lower()
-    return kind in hdf5.ENDINGS or (kind == ".mat" and hdf5.is_hdf5(path))
-
-
-def _array_names(path: Path) -> list[str]:
-    """Names of the arrays in a file of arrays."""
-    if _in_hdf5(path):
-        return hdf5.hdf5_names(path)
-    return npz_names(path) if path.suffix.lower() == ".npz" else mat_names(path)
 
 
 def _has_header(path: Path) -> bool:
@@ -236,29 +224,29 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
     Args:
         columns: the requested ones, see `read_table`; of matrices, these parts are named.
     """
-    kind = path.suffix.lower()
-    if _in_hdf5(path) or kind in (".npz", ".mat"):
-        names = _array_names(path)
-        asked = dict.fromkeys((columns or {}).values())
-        return [*names, *(x for x in asked if x not in names and whole(x) in names)]
-    if kind in text_table.ENDINGS:
+    if path.suffix.lower() in text_table.ENDINGS:
         return bare_names(path) if is_bare(path) else text_table.header(path)
-    return parquet.column_names(path)
+    arrays = _arrays(path)
+    if not arrays:
+        return parquet.column_names(path)
+    names = arrays[0](path)
+    asked = dict.fromkeys((columns or {}).values())
+    return [*names, *(x for x in asked if x not in names and whole(x) in names)]
 
 
 def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
     """Only the requested columns, each of shape (n,); the time column may contain dates."""
-    kind = path.suffix.lower()
-    if _in_hdf5(path):
-        return hdf5.hdf5_columns(path, names)
-    if kind == ".npz":
-        return npz_columns(path, names)
-    if kind == ".mat":
-        return mat_columns(path, names)
-    if kind in text_table.ENDINGS:
-        return (
-            bare_columns(path, names)
-            if is_bare(path)
-            else text_table.read_columns(path, names, time)
-        )
+    if path.suffix.lower() in text_table.ENDINGS:
+        if is_bare(path):
+            return bare_columns(path, names)
+        return text_table.read_columns(path, names, time)
+    if arrays := _arrays(path):
+        return arrays[1](path, names)
     return {name: parquet.read_column(path, name, name == time) for name in names}
+
+
+def _arrays(path: Path) -> _Arrays | None:
+    """Functions for the names and the columns of a file of arrays; None for other tables."""
+    kind = path.suffix.lower()
+    # MATLAB 7.3 writes HDF5
+    return _ARRAYS.get(".h5" if kind == ".mat" and hdf5.is_hdf5(path) else kind)

@@ -68,7 +68,7 @@ def layout_of(path: Path) -> Layout:
 def _from_lines(name: str, lines: Iterator[str]) -> Layout:
     """Layout of a file from its first lines."""
     # header and first samples are within 60 lines
-    some = [text.rstrip("\r\n") for text in islice(lines, 60)]
+    some = [text.rstrip("\n") for text in islice(lines, 60)]
     if not some:
         raise LogError(f"{name}: empty, it needs a header row and samples")
     remarks = next((i for i, line in enumerate(some) if not line.startswith("#")), len(some))
@@ -80,7 +80,7 @@ def _from_lines(name: str, lines: Iterator[str]) -> Layout:
     elif title < len(some):
         title = _header_line(some, title)
         before, text = title + 1, some[title]
-    if not text.strip() or "\0" in text or "\r" in text:
+    if not text.strip() or "\0" in text:
         raise LogError(f"{name}, row {title + 1}: no header, give column names there")
     separator = _separator(text)
     names = [cell.strip() for cell in next(csv.reader([text], delimiter=separator))]
@@ -89,16 +89,16 @@ def _from_lines(name: str, lines: Iterator[str]) -> Layout:
     cells = _cells(below, separator)
     if any(cells) and len(cells) >= len(names) and _is_units_line(cells):
         units, before = tuple(cells), before + 1
-    sample = next(filter(None, some[before:]), "")
-    names = _as_wide_as(names, _cells(sample, separator))
-    after = "\n".join(some[before:])
-    point = "," if separator != "," and re.search(r"\d,\d", after) else "."
+    sample = _cells(next(filter(None, some[before:]), ""), separator)
+    names = _as_wide_as(names, sample)
+    dates = zip(names, map(MOMENT.fullmatch, sample), strict=False)
+    decimal_comma = separator != "," and any(re.search(r"\d,\d", line) for line in some[before:])
     return Layout(
         names=[cell or None for cell in names],
         separator=separator,
-        point=point,
+        point="," if decimal_comma else ".",
         before=before,
-        zoned=_zoned(names, separator, after),
+        zoned={name: bool(date["zone"]) for name, date in dates if date},
         title=title + 1,
         skipped=title if title > remarks else 0,
         units=units,
@@ -163,13 +163,6 @@ def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
     if wide > len(names) and not any(sample[len(names) :]):
         return names + [""] * (wide - len(names))
     return names
-
-
-def _zoned(names: list[str], separator: str, some: str) -> dict[str, bool]:
-    """Columns that begin with a date in the lines `some`, and whether each states a time zone."""
-    sample = _cells(next(filter(None, re.split(r"[\r\n]", some)), ""), separator)
-    cells = zip(names, map(MOMENT.fullmatch, sample), strict=False)
-    return {name: bool(cell["zone"]) for name, cell in cells if cell}
 
 
 def _numbers_only(line: str) -> bool:

@@ -4,13 +4,16 @@ Such a file is a zip archive: a pickle of plain containers, whose tensors refer 
 ``data/0``, ``data/1``, ... with their numbers (PyTorch 1.6 and later,
 https://docs.pytorch.org/docs/stable/notes/serialization.html). A pickle can call any function by
 name, so it is read by an unpickler that knows only the names in a table of tensors and of numpy
-arrays, and refuses all others.
+arrays, and refuses all others. numpy pickles an array as an empty array followed by a state of
+shape, type and bytes; the classes that stand in for numpy's accept such states and call nothing.
 """
 
 import io
 import math
 import pickle
+import re
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +22,6 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt, one_line
-from frictionjoint.measured.pickled_arrays import PickledArray, stand_in
 
 # classes of storages, and what their numbers are; a half has no digits to spare for a log
 _STORAGES = {
@@ -32,6 +34,8 @@ _STORAGES = {
     "CharStorage": "i1",
     "ByteStorage": "u1",
 }
+# types of the numbers of an array of numpy
+_NUMBERS = re.compile(r"[iu][1248]|f[248]|b1")
 
 
 class _Storage(NamedTuple):
@@ -66,7 +70,7 @@ def read_tensors(path: Path) -> dict[str, Array]:
         raise LogError(
             f"{path.name}: contains a {type(content).__name__}, not a dict of tensors: save a dict"
         )
-    arrays = {n: x.numbers if isinstance(x, PickledArray) else x for n, x in content.items()}
+    arrays = {n: x.numbers if isinstance(x, _Array) else x for n, x in content.items()}
     return {
         str(name): np.asarray(x, dtype=np.float64)
         for name, x in arrays.items()
@@ -101,12 +105,8 @@ class _Unpickler(pickle.Unpickler):
         """Replacements for the few names that a table of tensors needs."""
         if module == "torch" and name in _STORAGES:
             return _STORAGES[name]
-        if (module, name) == ("torch._utils", "_rebuild_tensor_v2"):
-            return _tensor
-        if (module, name) == ("collections", "OrderedDict"):
-            return dict
-        if found := stand_in(module, name):
-            return found
+        if (module, name) in _STAND_INS:
+            return _STAND_INS[module, name]
         raise pickle.UnpicklingError(f"{module}.{name}")
 
     def persistent_load(self, pid: Any) -> _Storage:
@@ -142,3 +142,54 @@ def _tensor(
         storage.numbers[offset:], size, [bytes_each * step for step in stride], writeable=False
     )
     return view.copy()
+
+
+class _Array:
+    """An array whose state follows it in the pickle; `numbers` is the array."""
+
+    numbers: np.ndarray[Any, Any]
+
+    def __init__(self, *_: Any) -> None:
+        self.numbers = np.zeros(0)
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        _, shape, kind, by_columns, content = state
+        if not (isinstance(kind, _Kind) and isinstance(content, bytes)):
+            raise pickle.UnpicklingError("an array of something other than numbers")
+        size = math.prod(shape)
+        if min(shape, default=0) < 0 or size * kind.dtype.itemsize != len(content):
+            raise pickle.UnpicklingError(f"an array of shape {shape} in {len(content)} bytes")
+        numbers = np.frombuffer(content, kind.dtype)
+        self.numbers = numbers.reshape(shape[::-1]).T if by_columns else numbers.reshape(shape)
+
+
+class _Kind:
+    """Type of an array's numbers; its byte order is its state."""
+
+    def __init__(self, code: str, *_: Any) -> None:
+        if not (isinstance(code, str) and _NUMBERS.fullmatch(code)):
+            raise pickle.UnpicklingError(f"an array of {code!r}, not of numbers")
+        self.dtype = np.dtype(code)
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        if state[1] in ("<", ">"):
+            self.dtype = self.dtype.newbyteorder(state[1])
+
+
+def _bytes(text: str, code: str) -> bytes:
+    """Bytes in the encoding of older pickles."""
+    if code != "latin1":
+        raise pickle.UnpicklingError(f"_codecs.encode to {code!r}")
+    return text.encode("latin1")
+
+
+_STAND_INS: dict[tuple[str, str], Callable[..., Any]] = {
+    ("torch._utils", "_rebuild_tensor_v2"): _tensor,
+    ("collections", "OrderedDict"): dict,
+    ("numpy.core.multiarray", "_reconstruct"): _Array,
+    ("numpy._core.multiarray", "_reconstruct"): _Array,
+    # the class of the array, which the stand-in of `_reconstruct` is given
+    ("numpy", "ndarray"): _Array,
+    ("numpy", "dtype"): _Kind,
+    ("_codecs", "encode"): _bytes,
+}

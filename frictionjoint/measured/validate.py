@@ -43,33 +43,31 @@ _FEWEST_READINGS = 20
 _MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "voltage_v", "current_a")
 
 
-def check_rows(source: str, columns: Mapping[str, Array], row: RowOf | int) -> None:
+def check_rows(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
     """Raise LogError unless the columns are numbers along increasing time.
 
     Args:
         source: file name for the message.
         columns: by column name (a joint's prefix allowed), each of shape (n,); needs ``time_s``.
-        row: row number in the file of sample i, or of the first sample if they are consecutive.
+        row: row number in the file of sample i.
     """
-    row_of: RowOf = row if callable(row) else lambda i: i + row
     check_lengths(source, columns)
     for name, x in columns.items():
-        check_finite(source, name, x, row_of)
-    check_time(source, columns["time_s"], row_of)
+        check_finite(source, name, x, row)
+    check_time(source, columns["time_s"], row)
 
 
-def check_columns(source: str, columns: Mapping[str, Array], row: RowOf | int) -> None:
+def check_columns(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
     """Raise LogError if the columns of a log cannot be right.
 
     Args:
         source: file name for the message.
         columns: see `check_rows`; positions must not be wrapped.
-        row: row number in the file of sample i, or of the first sample if they are consecutive.
+        row: row number in the file of sample i.
     """
-    row_of: RowOf = row if callable(row) else lambda i: i + row
     with np.errstate(over="ignore", invalid="ignore"):
         for name, x in columns.items():
-            _check_magnitude(source, name, x, row_of)
+            _check_magnitude(source, name, x, row)
             _check_fractions(source, name, x)
         for name in columns:
             if name.rpartition(".")[2] in _SPEED_OF:
