@@ -4,7 +4,7 @@ A measured torque replaces all actuators; of a `dcmotor` only friction and coggi
 measured voltage or current is the control of the joint's own actuator.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from frictionjoint.effects.catalogue import title
 from frictionjoint.errors import ModelError, few
+from frictionjoint.evaluation.recording import Recording
 from frictionjoint.identify.held import Pose, joint_label, lock, take_pose
 from frictionjoint.identify.held import resolve as resolve_poses
 from frictionjoint.model_files import ONE_DOF, compile_model
@@ -33,12 +34,11 @@ class EvaluatedModel:
     """A compiled model in which joints without logged motion are held in place.
 
     Args:
-        source: path or text of an MJCF or URDF. joints: joints to evaluate.
-        moving: other joints with logged motion.
-        drives: kind of each joint's logged drive, "torque", "voltage" or "current".
+        source: path or text of an MJCF or URDF. recording: of the joints to evaluate.
         fixed: positions of joints that no log contains, by name, rad or m.
     Attributes:
-        model: compiled, without contacts. dofs, qpos: addresses of the joints, shape (k,).
+        model: compiled, without contacts. joints: names of the joints to evaluate. dofs, qpos:
+            their addresses, shape (k,).
         controls: index in `ctrl` of each joint's drive; None if the drive is a torque.
     Raises:
         ModelError: the model does not compile, has no such joint, or no actuator for a voltage.
@@ -47,27 +47,25 @@ class EvaluatedModel:
     def __init__(
         self,
         source: str | Path,
-        joints: Sequence[str],
-        moving: Sequence[str],
-        drives: Mapping[str, str],
+        recording: Recording,
         fixed: Mapping[str, Pose] | None,
     ) -> None:
         self.model = compile_model(source)
-        self.joints = list(joints)
-        self.ids = [require_joint(self.model, name) for name in joints]
-        led = [mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in moving]
-        self.dofs = self.model.jnt_dofadr[self.ids].astype(int)
-        self.qpos = self.model.jnt_qposadr[self.ids].astype(int)
-        self.carries = bool(blocks(self.model))
+        self.joints = list(recording.logs)
+        ids = [require_joint(self.model, name) for name in self.joints]
+        joint = mujoco.mjtObj.mjOBJ_JOINT
+        led = [mujoco.mj_name2id(self.model, joint, name) for name in recording.led]
+        self.dofs = self.model.jnt_dofadr[ids].astype(int)
+        self.qpos = self.model.jnt_qposadr[ids].astype(int)
         take_pose(self.model, resolve_poses(self.model, -1, fixed))
-        used = {name: self._actuator(name, drives[name]) for name in joints}
+        used = {name: self._actuator(name, recording.kinds[name]) for name in self.joints}
         self.controls = {
             name: None if i is None else _control_of(self.model, i) for name, i in used.items()
         }
         self._silence({i for i in used.values() if i is not None})
         # links behind springs, which the friction model itself has added
-        links = [j for name in joints if (j := deflection(self.model, name)) >= 0]
-        lock(self.model, *self.ids, *led, *links)
+        links = [j for name in self.joints if (j := deflection(self.model, name)) >= 0]
+        lock(self.model, *ids, *led, *links)
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
 
     @property
@@ -83,7 +81,7 @@ class EvaluatedModel:
     @contextmanager
     def acting(self) -> Iterator[None]:
         """Context in which the friction of the model acts."""
-        with attach(self.model) if self.carries else nullcontext():
+        with attach(self.model) if blocks(self.model) else nullcontext():
             yield
 
     def _actuator(self, joint: str, drive: str) -> int | None:

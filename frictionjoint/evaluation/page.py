@@ -29,12 +29,7 @@ def _charts(joint: JointEvaluation) -> list[Chart]:
     )
     velocity = f"velocity, {joint.position_unit}/s"
     return [
-        Chart(
-            "Torque, worst log",
-            "time, s",
-            f"torque, {joint.unit}",
-            (acted, needed),
-        ),
+        Chart("Torque, worst log", "time, s", f"torque, {joint.unit}", (acted, needed)),
         Chart("Error, all logs", velocity, f"needed − acted, {joint.unit}", errors),
         *_loop(joint),
     ]

@@ -27,7 +27,7 @@ class Recording:
     """A log prepared for comparison.
 
     Attributes:
-        name: of the log. logs: as read, by joint.
+        logs: as read, by joint.
         time: s, from 0, shape (n,). step: sampling interval, s.
         motion: smooth position, velocity and acceleration by joint, each of shape (n,).
         led: the motion of joints that are not evaluated, in the same form.
@@ -38,7 +38,6 @@ class Recording:
         smooth: the filter on this grid.
     """
 
-    name: str
     logs: dict[str, JointLog]
     time: Array
     step: float
@@ -77,7 +76,7 @@ class Recording:
 
         def track(position: Array) -> tuple[Array, Array, Array]:
             spectrum = finer.spectrum(position)
-            return finer.back(spectrum), finer.back(spectrum, 1), finer.back(spectrum, 2, 0.0)
+            return finer.back(spectrum), finer.back(spectrum, 1), finer.back(spectrum, 2)
 
         others = {n: q for n, q in first.other_positions.items() if n not in logs}
         kinds = {name: _kind(log) for name, log in logs.items()}
@@ -86,7 +85,6 @@ class Recording:
         inside[edge : n - edge] = True
         measured = {name: getattr(log, kinds[name]) for name, log in logs.items()}
         return cls(
-            name=first.name,
             logs=dict(logs),
             time=time - time[0],
             step=step,

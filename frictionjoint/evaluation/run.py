@@ -229,7 +229,7 @@ def _one_log(
     """The curves of one log, by joint."""
     measured = {name: measures_drive(log) for name, log in logs.items()}
     recording = Recording.of({n: with_drive(log, controllers[n]) for n, log in logs.items()})
-    m = EvaluatedModel(model, list(logs), list(recording.led), recording.kinds, fixed)
+    m = EvaluatedModel(model, recording, fixed)
     between_restarts = max(2, round(RUN_S / recording.step))
     along = torque_along(m, recording, between_restarts)
     runs = replay(m, recording, along) if all(measured.values()) else None

@@ -67,7 +67,8 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
             if k % every == 0:
                 _without_limits(model, False)
                 mujoco.mj_forward(model, data)
-                states.append(_state(model, data))
+                states.append(np.empty(mujoco.mj_stateSize(model, STATE)))
+                mujoco.mj_getState(model, data, states[-1], STATE)
                 qacc[:] = 0.0
                 moved.put(k)
                 _without_limits(model, True)
@@ -101,9 +102,3 @@ def _without_limits(model: mujoco.MjModel, off: bool) -> None:
     """Disable joint limits, whose torque in a measured motion is unknown, or enable them."""
     bit = int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
     model.opt.disableflags = model.opt.disableflags | bit if off else model.opt.disableflags & ~bit
-
-
-def _state(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    found = np.empty(mujoco.mj_stateSize(model, STATE))
-    mujoco.mj_getState(model, data, found, STATE)
-    return found

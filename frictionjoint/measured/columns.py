@@ -14,11 +14,14 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from frictionjoint.errors import LogError
 
-_HINGE = ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
-_SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
+HINGE = ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
+SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
 _BOTH = ("voltage_v", "current_a", "supply_v", "temperature_c", "motor_position_rad")
-_DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a", "target_rad", "target_m")
-KNOWN = (*_HINGE, *_SLIDE, *_BOTH)
+POSITIONS, VELOCITIES = (HINGE[0], SLIDE[0]), (HINGE[1], SLIDE[1])
+TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
+MEASURED_DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
+_DRIVES = (*MEASURED_DRIVES, *TARGET_OF.values())
+KNOWN = (*HINGE, *SLIDE, *_BOTH)
 # controller values that a log may contain
 _FIGURES = ("kp", "kd", "ki", "vin")
 _OURS = ("time_s", *KNOWN, *_FIGURES)
@@ -31,7 +34,7 @@ _LIKELY = {
 }
 _RATE = re.compile(r"(\d+\.?\d*)\s*(k?)hz", re.I)
 # columns of other joints, for the inverse dynamics of the arm
-_OF_OTHERS = ("position_rad", "velocity_rad_s", "position_m", "velocity_m_s")
+_MOTION = (*POSITIONS, *VELOCITIES)
 
 
 def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[str, str]:
@@ -71,11 +74,10 @@ def joints_in(table: dict[str, str]) -> list[str]:
 
 def driven_joints(table: dict[str, str]) -> list[str]:
     """Joints with columns for position and drive."""
-    positions = ("position_rad", "position_m", "velocity_rad_s", "velocity_m_s")
     return [
         joint
         for joint in joints_in(table)
-        if all(any(f"{joint}.{c}" in table for c in kind) for kind in (positions, _DRIVES))
+        if all(any(f"{joint}.{c}" in table for c in kind) for kind in (_MOTION, _DRIVES))
     ]
 
 
@@ -172,7 +174,7 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     _check_kind(source, list(chosen), list(table), prefix)
     chosen["time_s"] = table["time_s"]
     for other in joints:
-        for c in _OF_OTHERS:
+        for c in _MOTION:
             if other != joint and f"{other}.{c}" in table:
                 chosen[f"{other}.{c}"] = table[f"{other}.{c}"]
     return chosen
@@ -190,7 +192,7 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
             f"{source}: no column '{prefix}position_rad' (slide: position_m), {_has(table)}; "
             f"{_fix(prefix, table)}"
         )
-    foreign = [c for c in chosen if c in (_SLIDE if hinge else _HINGE)]
+    foreign = [c for c in chosen if c in (SLIDE if hinge else HINGE)]
     if foreign:
         kinds = ("position_rad", "velocity_rad_s") if hinge else ("position_m", "velocity_m_s")
         kind = next(x for x in kinds if x in chosen)

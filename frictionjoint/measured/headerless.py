@@ -76,9 +76,7 @@ def _size(path: Path) -> tuple[int, int]:
     with path.open(encoding="utf-8-sig") as file:
         lines = (x for x in file if x.strip() and not x.startswith(_REMARKS))
         width = len(_cells(next(lines).strip()))
-        rows = 1
-        for _ in lines if width >= _LONG_ROW else ():
-            rows += 1
+        rows = 1 + sum(1 for _ in lines) if width >= _LONG_ROW else 1
     return width, rows if width >= max(_LONG_ROW, 10 * rows) else 0
 
 

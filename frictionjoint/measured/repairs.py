@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
+from frictionjoint.measured.columns import MEASURED_DRIVES, POSITIONS, TARGET_OF, VELOCITIES
 from frictionjoint.measured.log import LARGEST_GAP
 
 # Ranges that encoders and motor drives wrap at, rad: turns, and the +-12.5 rad of common drives.
 _RANGES = (2 * np.pi, 4 * np.pi, 8 * np.pi, 25.0)
 _MEASURED = ("position_rad", "motor_position_rad")
-_TARGETS = {"position_rad": "target_rad", "position_m": "target_m"}
-_CANNOT_LEAP = ("position_rad", "position_m", "temperature_c")
-_DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
-_HELD = ("position_rad", "position_m", "torque_nm", "force_n", "voltage_v", "current_a")
+_CANNOT_LEAP = (*POSITIONS, "temperature_c")
+_HELD = (*POSITIONS, *MEASURED_DRIVES)
 
 
 def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
@@ -59,8 +58,8 @@ def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple
         all columns, and a note if the position was integrated.
     """
     found, notes = dict(columns), []
-    for speed, position in (("velocity_rad_s", "position_rad"), ("velocity_m_s", "position_m")):
-        if speed in found and "position_rad" not in found and "position_m" not in found:
+    for speed, position in zip(VELOCITIES, POSITIONS, strict=True):
+        if speed in found and not found.keys() & POSITIONS:
             x = found[speed]
             steps = 0.5 * (x[1:] + x[:-1]) * np.diff(found["time_s"])
             found[position] = np.concatenate([[0.0], np.cumsum(steps)])
@@ -140,10 +139,10 @@ def drive_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
     Args:
         columns: of the joint, shape (n,) each, including ``time_s`` and a position.
     """
-    position = next(x for name, x in columns.items() if name in ("position_rad", "position_m"))
+    position = next(x for name, x in columns.items() if name in POSITIONS)
     time, notes = columns["time_s"], []
     for name, x in columns.items():
-        if name not in _DRIVES:
+        if name not in MEASURED_DRIVES:
             continue
         if len(lone := _lone(x)):
             notes.append(
@@ -177,15 +176,17 @@ def unwrapped(
     found, notes = dict(columns), []
     for name, x in columns.items():
         prefix, dot, unit = name.rpartition(".")
-        if unit not in _MEASURED and not (wrap and unit in _TARGETS):
+        if unit not in _MEASURED and not (wrap and unit in TARGET_OF):
             continue
         period = wrap or _range_of(source, name, x, columns["time_s"])
-        whole = x if period is None else np.unwrap(x, period=period)
-        leaps = 0 if period is None else int(np.count_nonzero(np.diff(np.round(whole - x, 3))))
-        if period is None or not leaps:
+        if period is None:
+            continue
+        whole = np.unwrap(x, period=period)
+        leaps = int(np.count_nonzero(np.diff(np.round(whole - x, 3))))
+        if not leaps:
             continue
         found[name] = whole
-        target = f"{prefix}{dot}{_TARGETS.get(unit, '')}"
+        target = f"{prefix}{dot}{TARGET_OF.get(unit, '')}"
         if target in columns:  # it steps by itself: what it stands for is near the position
             y = columns[target]
             found[target] = y + period * np.round((whole - y) / period)

@@ -21,7 +21,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt, part_of
-from frictionjoint.measured.columns import KNOWN, one_joint, options
+from frictionjoint.measured.columns import HINGE, KNOWN, SLIDE, one_joint, options
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
 
@@ -32,7 +32,7 @@ _COMMANDS = (
     *(_TYPE, "control_msgs/msg/JointTrajectoryControllerState"),
     "std_msgs/msg/Float64MultiArray",
 )
-# rows of a joint: ns, then these
+# rows of a joint: ns, then these, in the order of `HINGE`
 _POSITION, _VELOCITY, _EFFORT, _TARGET = range(1, 5)
 _Rows = dict[str, list[tuple[float, ...]]]
 
@@ -69,11 +69,7 @@ def read_rosbag(
     joint = one_joint(path.name, sorted(samples), joint)
     own = samples.pop(joint)
     time = own[:, 0]
-    names = (
-        ("position_m", "velocity_m_s", "force_n", "target_m")
-        if slide
-        else ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
-    )
+    names = SLIDE if slide else HINGE
     data = {"time_s": time} | {
         name: own[:, k].copy()
         for k, name in enumerate(names, start=1)

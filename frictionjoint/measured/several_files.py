@@ -32,6 +32,8 @@ from frictionjoint.measured.units import converted
 from frictionjoint.measured.validate import check_finite, check_lengths, check_time
 
 _TIME = re.compile(r"(time|times|t|timestamp|stamp)[ _]?([\[(]?(s|sec|ms|us|ns)[\])]?)?", re.I)
+# headers that say nothing about the content of their column
+_PLAIN = ("value", "values", "data", "y", "signal", "")
 _HELD = ("target_rad", "target_m", "torque_enabled")
 
 
@@ -93,7 +95,7 @@ def _signals_by_name(
         for value in values:
             alone = sum(value in others for others in tables.values()) == 1
             # a header of several files' is no name: "value"
-            ours = alone and (value in mapping.values() or not _is_plain(value))
+            ours = alone and (value in mapping.values() or value.strip().lower() not in _PLAIN)
             name = value if ours or len(values) > 1 else file.stem
             if name in places:
                 raise LogError(f"{file.name}: {name!r} is in two files: rename a column or a file")
@@ -135,8 +137,11 @@ def _at_position(source: str, tracks: Mapping[str, tuple[Array, Array]]) -> dict
     time = position[0][(position[0] >= begin) & (position[0] <= end)]
     if len(time) < 2:
         raise LogError(f"{source}: the files' times do not overlap: do they use one clock?")
-    found = {name: _at(time, *track, name in _HELD) for name, track in tracks.items()}
-    return {"time_s": time} | found
+    found = {"time_s": time}
+    for name, (given, x) in tracks.items():
+        held = np.searchsorted(given, time, side="right") - 1 if name in _HELD else None
+        found[name] = np.interp(time, given, x) if held is None else x[held]
+    return found
 
 
 def _times(file: Path, clock: str | None) -> list[str]:
@@ -146,11 +151,6 @@ def _times(file: Path, clock: str | None) -> list[str]:
     if len(names) == 1 and names[0].isdecimal() and file.stem == clock:
         own = names
     return own or ([] if clock else [n for n in names if _TIME.fullmatch(n.strip())])
-
-
-def _is_plain(name: str) -> bool:
-    """Whether the header of a column says nothing about its content."""
-    return name.strip().lower() in ("value", "values", "data", "y", "signal", "")
 
 
 def _clock(file: Path, clock: str | None) -> str:
@@ -174,9 +174,3 @@ def _signal(file: Path, value: str, clock: str, units: Mapping[str, str]) -> tup
         check_finite(file.name, name, x, lambda i: i + 2)
     check_time(file.name, time, lambda i: i + 2)
     return time, raw[value]
-
-
-def _at(time: Array, given: Array, x: Array, held: bool) -> Array:
-    if held:
-        return np.asarray(x[np.searchsorted(given, time, side="right") - 1])
-    return np.interp(time, given, x)

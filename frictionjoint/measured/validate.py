@@ -9,6 +9,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError, NoMotionError
+from frictionjoint.measured.columns import MEASURED_DRIVES, POSITIONS, TARGET_OF, VELOCITIES
 from frictionjoint.measured.log import FEWEST_ROWS, LARGEST_GAP
 
 # Row number of sample i in the file, as an editor counts it. Called only for an error.
@@ -31,8 +32,7 @@ _LARGEST = {
     "supply_v": (2e3, "volts (millivolts?)"),
     "temperature_c": (200.0, "degrees Celsius (kelvin?)"),
 }
-_SPEED_OF = {"position_rad": "velocity_rad_s", "position_m": "velocity_m_s"}
-_TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
+_SPEED_OF = dict(zip(POSITIONS, VELOCITIES, strict=True))
 # Ratio to a target in degrees or millimetres, and a travel that is long only in these:
 # wrong units, where the joint follows it so well. A joint held by friction follows a short one.
 _MISTAKEN_UNIT = {"position_rad": (np.pi / 180, np.pi), "position_m": (1e-3, 1.0)}
@@ -40,7 +40,7 @@ _MISTAKEN_UNIT = {"position_rad": (np.pi / 180, np.pi), "position_m": (1e-3, 1.0
 # for any velocity.
 _FEWEST_READINGS = 20
 # No log measures these in a joint that moves, if they never change.
-_MUST_CHANGE = ("velocity_rad_s", "velocity_m_s", "torque_nm", "force_n", "voltage_v", "current_a")
+_MUST_CHANGE = (*VELOCITIES, *MEASURED_DRIVES)
 
 
 def check_rows(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
@@ -244,7 +244,7 @@ def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
     with much motion.
     """
     prefix, dot, unit = name.rpartition(".")
-    target_name = f"{prefix}{dot}{_TARGET_OF[unit]}"
+    target_name = f"{prefix}{dot}{TARGET_OF[unit]}"
     if target_name not in columns:
         return
     # the standard deviation of what is constant is its rounding, as of a step before the log

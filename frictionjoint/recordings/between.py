@@ -69,7 +69,8 @@ def between(
         causes: quantities that differ between recordings, shape (k,) each; those with NaN are left
             out.
     """
-    deviation, Q, k = _deviation(value, stderr, np.ones((len(value), 1)))
+    k = len(value)
+    deviation, Q = _deviation(value, stderr, np.ones((k, 1)))
     w = 1.0 / (stderr**2 + deviation**2)
     mean = float(w @ value / w.sum())
     spread = float(w @ (value - mean) ** 2 / ((k - 1) * w.sum()))
@@ -93,34 +94,39 @@ def between(
     )
 
 
-def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float, int]:
-    """tau from a weighted regression on X by moments, Cochran's Q, and the number of recordings."""
+def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float]:
+    """tau from a weighted regression on X by moments, and Cochran's Q."""
     k, p = X.shape
     w = stderr**-2.0
-    XtW = X.T * w
-    inverse = np.linalg.inv(XtW @ X)
-    left = value - X @ (inverse @ (XtW @ value))
+    _, left, inverse = _regression(value, w, X)
     Q = float(w @ left**2)
-    trace = float(w.sum() - np.trace(inverse @ (XtW * w) @ X))
-    return float(np.sqrt(max(0.0, (Q - (k - p)) / trace))), Q, k
+    trace = float(w.sum() - np.trace(inverse @ (X.T * w * w) @ X))
+    return float(np.sqrt(max(0.0, (Q - (k - p)) / trace))), Q
+
+
+def _regression(value: Array, w: Array, X: Array) -> tuple[Array, Array, Array]:
+    """Coefficients of a regression with weights w, its residual, and the inverse of X'WX."""
+    XtW = X.T * w
+    inverse = np.asarray(np.linalg.inv(XtW @ X), dtype=np.float64)
+    coefficients = inverse @ (XtW @ value)
+    return coefficients, value - X @ coefficients, inverse
 
 
 def _cause(
     value: Array, stderr: Array, deviation: float, causes: dict[str, Array]
 ) -> tuple[str, float]:
     """The quantity that explains most of the difference, at least half, with a p-value below 1%."""
-    best, found = 0.5, ("", 0.0)
+    best, found, k = 0.5, ("", 0.0), len(value)
     for name, x in causes.items():
         if not np.isfinite(x).all() or np.ptp(x) == 0.0:
             continue
         centred = x - x.mean()
         X = np.column_stack([np.ones_like(x), centred])
-        left, _, k = _deviation(value, stderr, X)
+        left, _ = _deviation(value, stderr, X)
         w = 1.0 / (stderr**2 + left**2)
-        inverse = np.linalg.inv((X.T * w) @ X)
-        slope = float((inverse @ ((X.T * w) @ value))[1])
-        fit = value - X @ (inverse @ ((X.T * w) @ value))
-        scale = max(1.0, float(w @ fit**2) / (k - 2))
+        coefficients, residual, inverse = _regression(value, w, X)
+        slope = float(coefficients[1])
+        scale = max(1.0, float(w @ residual**2) / (k - 2))
         p_value = 2.0 * float(t.sf(abs(slope) / np.sqrt(inverse[1, 1] * scale), k - 2))
         share = left**2 / deviation**2 if deviation > 0.0 else 1.0
         if p_value < 0.01 / len(causes) and share < best:

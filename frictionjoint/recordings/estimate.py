@@ -258,7 +258,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
 
     def needed(friction: JointFriction | None) -> tuple[Array, Array]:
         model = known.model if friction is None else _with_friction(known, friction)
-        m = EvaluatedModel(model, [known.joint], list(recording.led), recording.kinds, known.fixed)
+        m = EvaluatedModel(model, recording, known.fixed)
         with unheard():
             along = torque_along(m, recording, len(recording.time))
         given = along.given[known.joint]

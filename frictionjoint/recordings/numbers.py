@@ -16,11 +16,11 @@ from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.files import joint_friction
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameter_meanings import meaning
-from frictionjoint.refine.posterior import is_number, numbers_in, with_numbers
+from frictionjoint.refine.posterior import entries, numbers_in, with_numbers
 
 # N counts teeth or magnets
-_SHAPES = ("delta", "n", "i", "form", "reach", "sigma1", "N")
-_ABOVE = {"Fs": "Fs - Fc"}
+_SHAPES = ("delta", "n", "i", "form", "reach", "sigma1", "N", "knots")
+_OTHER_SIDE = {"pos": "neg", "neg": "pos"}
 
 
 @dataclass(frozen=True)
@@ -54,42 +54,27 @@ class Number:
 
 def numbers_of(content: Mapping[str, Any]) -> list[Number]:
     """The parameters in a parameter file by which recordings are compared."""
-    values = numbers_in(content)
+    numbers = entries(content)
     places: list[tuple[str, int, str]] = []
-    at = 0
-    for key, x in content.items():
-        if key == "knots":
-            at += 2 * len(x)
-        elif key == "effects":
-            for table in x:
-                plain = title(table["effect"], table["form"])
-                for name, value in table.items():
-                    if is_number(name, value):
-                        if name not in _SHAPES:
-                            places.append((f"{table['effect']} {name}", at, plain))
-                        at += 1
-        elif is_number(key, x):
-            if key.rpartition("_")[0] not in _SHAPES and key not in _SHAPES:
-                places.append((key, at, ""))
-            at += 1
-    found: list[Number] = []
+    for at, (key, table, _, _) in enumerate(numbers):
+        if table and key not in _SHAPES:
+            effect = title(table["effect"], table["form"])
+            places.append((f"{table['effect']} {key}", at, effect))
+        elif not table and not {key, key.rpartition("_")[0]} & {*_SHAPES}:
+            places.append((key, at, ""))
     by_name = {name: at for name, at, _ in places}
-    for name, i, effect in places:
+    found: list[Number] = []
+    for name, at, effect in places:
         stem, _, side = name.rpartition("_")
-        j = by_name.get(f"{stem}_neg")
-        if (
-            side == "neg"
-            and f"{stem}_pos" in by_name
-            and values[by_name[f"{stem}_pos"]] == values[i]
-        ):
+        twin = by_name.get(f"{stem}_{_OTHER_SIDE.get(side)}")
+        if twin is not None and numbers[twin].value != numbers[at].value:
+            twin = None
+        if numbers[at].value == 0.0 or (twin is not None and side == "neg"):
             continue
-        twin = side == "pos" and j is not None and values[j] == values[i]
-        word = stem if twin else name
-        for short, long in _ABOVE.items():
-            if word == short or word.startswith(f"{short}_"):
-                word = word.replace(short, long, 1)
-        if values[i] != 0.0:
-            found.append(Number(word, (i, j) if twin and j is not None else (i,), effect))
+        word = name if twin is None else stem
+        if word.partition("_")[0] == "Fs":
+            word = word.replace("Fs", "Fs - Fc", 1)
+        found.append(Number(word, (at,) if twin is None else (at, twin), effect))
     return found
 
 

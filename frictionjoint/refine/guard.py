@@ -10,6 +10,7 @@ model knows the logs that it was fitted to. Both models simulate the left-out lo
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,9 +108,8 @@ def balanced_without_each(
 def _kept(prepared: Prepared, courses: Sequence[Course], mask: Mask) -> Prepared:
     """The logs, or the part of a single log, that are not left out."""
     if len(courses) > 1:
-        ends = np.cumsum([len(c.position) for c in courses])[:-1]
-        left_out = [bool(part.any()) for part in np.split(mask, ends)]
-        return prepared.subset([i for i, out in enumerate(left_out) if not out])
+        parts = enumerate(_by_log(mask, courses))
+        return prepared.subset([i for i, part in parts if not part.any()])
     (s,), (course,) = prepared.segments, courses
     kept = s.signals[:, TIME] < course.time[int(np.argmax(mask))] - course.time[0]
     return replace(prepared, segments=(replace(s, mask=s.mask & kept),))
@@ -210,8 +210,12 @@ def of_logs(errors: Array, courses: Sequence[Course]) -> Array:
         # ten parts of it count as logs
         parts = np.array_split(left_out, min(10, len(left_out)))
         return np.array([np.mean(np.abs(part)) for part in parts])
-    ends = np.cumsum([len(c.position) for c in courses])[:-1]
-    return np.array([np.nanmean(np.abs(part)) for part in np.split(errors, ends, axis=1)])
+    return np.array([np.nanmean(np.abs(part)) for part in _by_log(errors, courses)])
+
+
+def _by_log(x: NDArray[Any], courses: Sequence[Course]) -> list[NDArray[Any]]:
+    """Values of all samples, the last axis, as one array per log."""
+    return np.split(x, np.cumsum([len(c.position) for c in courses])[:-1], axis=-1)
 
 
 def clearly_less(after: Array, before: Array) -> bool:
@@ -222,12 +226,10 @@ def clearly_less(after: Array, before: Array) -> bool:
 
 def _without(objective: Objective, z: Array, J: Array, mask: Mask) -> Array:
     """Numbers fitted without some samples; a log without remaining samples is not simulated."""
-    ends = np.cumsum([len(c.position) for c in objective.courses])[:-1]
-    some = [not part.all() for part in np.split(mask, ends)]
-    there = np.concatenate(
-        [np.full(len(c.position), kept) for c, kept in zip(objective.courses, some, strict=True)]
-    )
-    rest = objective.of([c for c, kept in zip(objective.courses, some, strict=True) if kept])
+    courses = objective.courses
+    some = [not part.all() for part in _by_log(mask, courses)]
+    there = np.repeat(some, [len(c.position) for c in courses])
+    rest = objective.of([c for c, kept in zip(courses, some, strict=True) if kept])
     numbers = np.ones(len(z), dtype=bool)
     kept = np.concatenate([~mask[there], numbers])
 

@@ -7,7 +7,7 @@ curve by its increments; an impossible set is drawn again.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,7 +94,7 @@ class Posterior:
             raise ParameterError(f"{n} samples, seed {seed}: give at least 1, and a seed from 0")
         rng = np.random.default_rng(seed)
         mean = numbers_in(self.content)
-        positive = np.array([never for _, never in _entries(self.content)], dtype=bool)
+        positive = np.array([entry.positive for entry in entries(self.content)], dtype=bool)
         found: list[JointFriction] = []
         tries = 100 * n
         for _ in range(tries):
@@ -145,23 +145,37 @@ def _content(friction: JointFriction) -> dict[str, Any]:
 
 def numbers_in(content: Mapping[str, Any]) -> Array:
     """All numbers of a parameter file: Fs as its excess over Fc, curves as increments."""
-    return np.array([x for x, _ in _entries(content)])
+    return np.array([entry.value for entry in entries(content)])
 
 
-def _entries(content: Mapping[str, Any]) -> list[tuple[float, bool]]:
-    """Each number, and whether it can never be negative."""
-    found: list[tuple[float, bool]] = []
+class Entry(NamedTuple):
+    """A number of a parameter file.
+
+    Attributes:
+        key: its name in the file. effect: table that contains it; None: a number of the law.
+        value: see `numbers_in`. positive: whether it can never be negative.
+    """
+
+    key: str
+    effect: Mapping[str, Any] | None
+    value: float
+    positive: bool
+
+
+def entries(content: Mapping[str, Any]) -> list[Entry]:
+    """All numbers of a parameter file, in its order."""
+    found: list[Entry] = []
     for key, x in content.items():
         if key == "knots":
             steps = np.diff(np.array(x), axis=0, prepend=[[0.0, 0.0]]).ravel()
-            found += [(step, True) for step in steps.tolist()]
+            found += [Entry(key, None, step, True) for step in steps.tolist()]
         elif key == "effects":
-            own = [float(v) for table in x for k, v in table.items() if is_number(k, v)]
-            found += [(v, v > 0.0) for v in own]
+            own = [(k, table, v) for table in x for k, v in table.items() if is_number(k, v)]
+            found += [Entry(k, table, v, v > 0.0) for k, table, v in own]
         elif is_number(key, x):
             side = key.rpartition("_")[2]
             below = content.get(f"Fc_{side}", 0.0) if key.startswith("Fs_") else 0.0
-            found.append((float(x) - float(below), True))
+            found.append(Entry(key, None, float(x) - float(below), True))
     return found
 
 
