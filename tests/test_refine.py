@@ -13,8 +13,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
-from frictionjoint.refine import refine
-from frictionjoint.refine.refine import with_free_damping
+from frictionjoint.refine.refine import refine, with_free_damping
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import closed_loop, courses_of
 

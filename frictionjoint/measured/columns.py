@@ -158,14 +158,13 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     Raises:
         LogError: time, position or drive is missing, or hinge and slide are mixed.
     """
+    joints = joints_in(table)
+    prefix = f"{joint}." if joints else ""
     if "time_s" not in table:
-        prefix = f"{joint}." if joints_in(table) else ""
         raise LogError(
             f"{source}: no column 'time_s', {_has(table)}; {_fix(prefix, table)}; where there are "
             "no times, give the sample rate, --column time_s=500Hz"
         )
-    joints = joints_in(table)
-    prefix = f"{joint}." if joints else ""
     chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
     # quantities without a joint name apply to all joints, except motion and drive
     for shared in ("temperature_c", "supply_v"):

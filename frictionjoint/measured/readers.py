@@ -15,7 +15,6 @@ from frictionjoint.errors import LogError
 from frictionjoint.measured.arguments import expect
 from frictionjoint.measured.bam_json import read_bam_json
 from frictionjoint.measured.columns import check_names, driven_joints
-from frictionjoint.measured.emps import is_emps, read_emps
 from frictionjoint.measured.lerobot import (
     episode_of,
     episodes_of,
@@ -24,14 +23,16 @@ from frictionjoint.measured.lerobot import (
     read_lerobot,
 )
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.odrive import read_odrive
-from frictionjoint.measured.panda import JOINTS as PANDA
-from frictionjoint.measured.panda import is_panda, read_panda
+from frictionjoint.measured.public_logs import (
+    is_emps,
+    joints_of_folder,
+    read_emps,
+    read_folder,
+    read_odrive,
+)
 from frictionjoint.measured.rollout import is_rollout, joints_of_rollout, read_rollout
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
 from frictionjoint.measured.table import TABLES, column_names, read_table
-from frictionjoint.measured.tx40 import JOINTS as TX40
-from frictionjoint.measured.tx40 import is_tx40, read_tx40
 from frictionjoint.measured.units import check_units
 
 _TENSORS = ".pt"
@@ -99,23 +100,12 @@ def read_log(
             f"{path.name}: --column, --unit, --signal and --wrap apply only to {', '.join(TABLES)}"
         )
     if path.is_dir():
-        return _read_folder(path, joint)
+        return read_folder(path, joint)
     if kind == ".json":
         return read_bam_json(path, joint)
     if kind == ".npy":
         return read_odrive(path)
     raise unknown
-
-
-def _read_folder(path: Path, joint: str | None) -> JointLog:
-    if is_panda(path):
-        return read_panda(path, joint)
-    if is_tx40(path):
-        return read_tx40(path, joint)
-    raise LogError(
-        f"{path.name}: a folder, but no ROS 2 bag, LeRobot data set, Panda or TX40 log: name a "
-        "file in it"
-    )
 
 
 def log_files(path: str | Path) -> list[Path]:
@@ -132,7 +122,7 @@ def log_files(path: str | Path) -> list[Path]:
         folder, _ = episode_of(path)
         whole = folder == path and len(numbers) == 1
         return [path] if whole else [folder.with_name(f"{folder.name}#{i}") for i in numbers]
-    if not path.is_dir() or is_bag(path) or is_panda(path) or is_tx40(path):
+    if not path.is_dir() or is_bag(path) or joints_of_folder(path):
         return [path]
     entries = (x for x in path.iterdir() if x.name not in _RESULTS)
     found = sorted(x for x in entries if x.suffix.lower() in _KINDS or is_bag(x))
@@ -179,7 +169,7 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
     if path.is_file() and is_rollout(path, columns):
         return joints_of_rollout(path, columns)
     if path.is_dir():
-        return list(PANDA if is_panda(path) else TX40 if is_tx40(path) else ())
+        return list(joints_of_folder(path))
     if path.suffix.lower() not in TABLES:
         return []
     names = column_names(path, columns)

@@ -82,17 +82,17 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
         # Satterthwaite: the report's error is known, that of the logs is estimated
         dof = dof * (sd / own) ** 4 if own else np.inf
         rows.append((number.name, float(before), now, sd, blind, dof))
-    tested = sum(not row[4] for row in rows)
-
-    def state(before: float, now: float, sd: float, blind: bool, dof: float) -> State:
-        if blind:
-            return "not resolvable"
-        limit = float(t.isf(SIGNIFICANCE / (2.0 * tested), dof))
-        # no law is exact: motion of another kind moves a parameter by the error of the law
-        least = max(limit * sd, STICKING_ERROR * abs(before))
-        return "changed" if abs(now - before) > least else "confirmed"
-
-    return [Drift(*row[:4], state=state(*row[1:])) for row in rows]
+    tested = sum(not blind for *_, blind, _ in rows)
+    drifts = []
+    for name, before, now, sd, blind, dof in rows:
+        state: State = "not resolvable"
+        if not blind:
+            limit = float(t.isf(SIGNIFICANCE / (2.0 * tested), dof))
+            # no law is exact: motion of another kind moves a parameter by the error of the law
+            least = max(limit * sd, STICKING_ERROR * abs(before))
+            state = "changed" if abs(now - before) > least else "confirmed"
+        drifts.append(Drift(name, before, now, sd, state))
+    return drifts
 
 
 def _together(found: Sequence[Estimates], i: int) -> tuple[float, float, float]:

@@ -10,7 +10,3 @@ The torque balance finds and names effects in seconds; a user needs correct moti
 ``tried``     the least squares, and the evidence for their result
 ``refine``    whether their result is used
 """
-
-from frictionjoint.refine.refine import Refined, refine
-
-__all__ = ["Refined", "refine"]
