@@ -274,3 +274,15 @@ def test_splitting_holds_out_the_end() -> None:
 def test_no_half_valid_log_can_be_made(change: dict[str, object]) -> None:
     with pytest.raises(LogError):
         replace(make_log(), **change)  # type: ignore[arg-type]
+
+
+def test_rows_left_out_do_not_move_the_rows_in_messages(tmp_path):
+    t = 0.01 * np.arange(200)
+    log = {"time_s": t.copy(), "position_rad": np.sin(5 * t), "torque_nm": np.cos(5 * t)}
+    np.savez(tmp_path / "short.npz", **log | {"torque_nm": log["torque_nm"][:190]})
+    with pytest.raises(LogError, match="190 numbers, time_s has 200"):
+        read_log(tmp_path / "short.npz", drop_nan=True)
+    log["position_rad"][3], log["time_s"][100] = np.nan, t[99]
+    np.savez(tmp_path / "log.npz", **log)
+    with pytest.raises(LogError, match="row 101, time_s"):
+        read_log(tmp_path / "log.npz", drop_nan=True)

@@ -120,37 +120,19 @@ def mat_names(path: Path) -> list[str]:
 
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     """Requested columns of a .mat file; 8 bytes per number."""
-    wanted = list(names)
-    content = _load_mat(path, sorted({*map(whole, wanted)}))
-    return {name: column(path, name, content[whole(name)], whole(name)) for name in wanted}
-
-
-def mat_scalars(path: Path, names: list[str], optional: Iterable[str]) -> dict[str, float]:
-    """Single numbers of a .mat file; optional ones only if they exist."""
-    present = mat_names(path)
-    wanted = [*names, *(name for name in optional if name in present)]
-    content = _load_mat(path, wanted)
-    scalars = {}
-    for name in wanted:
-        x = column(path, name, content[name])
-        if x.size != 1:
-            raise LogError(f"{path.name}, {name}: {x.size} numbers, one is needed")
-        scalars[name] = float(x[0])
-    return scalars
-
-
-def _load_mat(path: Path, names: list[str]) -> dict[str, Any]:
+    sources = {name: whole(name) for name in names}
+    wanted = sorted({*sources.values()})
     content: dict[str, Any]
     try:
         if matlab.is_level_5(path):
-            content = dict(matlab.arrays(path, names))
+            content = dict(matlab.arrays(path, wanted))
         else:
-            content = loadmat(path, variable_names=names)
+            content = loadmat(path, variable_names=wanted)
     except matlab.NotNumbersError as error:
         raise LogError(f"{path.name}, {error}") from None
     except Exception as error:
         raise corrupt(path, error) from None
-    missing = [name for name in names if name not in content]
+    missing = [name for name in wanted if name not in content]
     if missing:
         raise LogError(f"{path.name}: no variable {missing[0]!r}")
-    return content
+    return {name: column(path, name, content[x], x) for name, x in sources.items()}

@@ -28,7 +28,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import text_table
-from frictionjoint.measured.arrays import corrupt, mat_columns, mat_scalars, one_line
+from frictionjoint.measured.arrays import corrupt, mat_columns, mat_names, one_line
 from frictionjoint.measured.columns import one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
@@ -57,8 +57,13 @@ def read_emps(path: Path) -> JointLog:
     Raises:
         LogError: see `validate`.
     """
-    raw = mat_columns(path, _EMPS)
-    gains = mat_scalars(path, ["gtau"], optional=["kp", "kv"])
+    there = mat_names(path)
+    scalars = [name for name in ("gtau", "kp", "kv") if name in there]
+    raw = mat_columns(path, [*_EMPS, *scalars])
+    for name in scalars:
+        if raw[name].size != 1:
+            raise LogError(f"{path.name}, {name}: {raw[name].size} numbers, one is needed")
+    gains: dict[str, float] = {name: float(raw[name][0]) for name in scalars}
     columns = {
         "time_s": raw["t"],
         "position_m": raw["qm"],

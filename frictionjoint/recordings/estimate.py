@@ -39,7 +39,8 @@ from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
-from frictionjoint.recordings.numbers import Number, changed, numbers_of, values_of
+from frictionjoint.recordings.numbers import Number, changed, numbers_of
+from frictionjoint.refine.posterior import numbers_in
 from frictionjoint.refine.vector import PRIOR_ERRORS, PRIOR_SIZE
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.carrier import install
@@ -104,7 +105,8 @@ class Known:
     @property
     def values(self) -> Array:
         """Values of the parameters, shape (p,)."""
-        return values_of(self.content, self.numbers)
+        values = numbers_in(self.content)
+        return np.array([float(np.mean(values[list(x.indices)])) for x in self.numbers])
 
     @property
     def stderr(self) -> Array:

@@ -8,9 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.files import joint_friction
@@ -76,12 +73,6 @@ def numbers_of(content: Mapping[str, Any]) -> list[Number]:
             word = word.replace("Fs", "Fs - Fc", 1)
         found.append(Number(word, (at,) if twin is None else (at, twin), effect))
     return found
-
-
-def values_of(content: Mapping[str, Any], numbers: list[Number]) -> Array:
-    """Values of the parameters, shape (p,)."""
-    values = numbers_in(content)
-    return np.array([float(np.mean(values[list(x.indices)])) for x in numbers])
 
 
 def changed(content: Mapping[str, Any], number: Number, by: float) -> JointFriction:
