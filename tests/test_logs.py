@@ -276,7 +276,7 @@ def test_no_half_valid_log_can_be_made(change: dict[str, object]) -> None:
         replace(make_log(), **change)  # type: ignore[arg-type]
 
 
-def test_rows_left_out_do_not_move_the_rows_in_messages(tmp_path):
+def test_rows_left_out_do_not_move_the_rows_in_messages(tmp_path: Path) -> None:
     t = 0.01 * np.arange(200)
     log = {"time_s": t.copy(), "position_rad": np.sin(5 * t), "torque_nm": np.cos(5 * t)}
     np.savez(tmp_path / "short.npz", **log | {"torque_nm": log["torque_nm"][:190]})

@@ -35,10 +35,9 @@ from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_
 from frictionjoint.measured.table import TABLES, column_names, read_table
 from frictionjoint.measured.units import check_units
 
-_TENSORS = ".pt"
 # files of a report that could be logs by their names
 _RESULTS = ("report.json", "evaluation.json", "next_trajectory.csv")
-_KINDS = (*TABLES, *SUFFIXES, _TENSORS, ".json", ".npy")
+_KINDS = (*TABLES, *SUFFIXES, ".pt", ".json", ".npy")
 
 
 def read_log(

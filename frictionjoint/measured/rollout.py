@@ -30,7 +30,6 @@ _NAMES = {
     "target_rad": ("des_dof_pos", "joint_pos_target", "dof_pos_target", "target_joint_pos"),
     "torque_nm": ("applied_torque", "joint_torque", "dof_torque", "joint_effort", "torques"),
 }
-_OF_JOINTS = tuple(name for name in _NAMES if name != "time_s")
 _JOINTS = ("joint_names", "dof_names")
 _GAINS = ("kp", "kd")
 
@@ -115,11 +114,10 @@ def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
             f"rollout contains {' or '.join(_NAMES['position_rad'][:2])}, and "
             f"{' or '.join(_NAMES['target_rad'][:2])} or {_NAMES['torque_nm'][0]}"
         )
-    of_joints = {
-        name: _of_world(path, name, found[name], world) for name in _OF_JOINTS & found.keys()
-    }
+    stamps = found.pop("time_s", None)
+    of_joints = {name: _of_world(path, name, x, world) for name, x in found.items()}
     n, count = of_joints["position_rad"].shape
-    time = _time(path, arrays, found.get("time_s"), n)
+    time = _time(path, arrays, stamps, n)
     if any(x.shape != (n, count) for x in of_joints.values()) or time.shape != (n,):
         shapes = ", ".join(f"{name} {x.shape}" for name, x in (of_joints | {"time": time}).items())
         raise LogError(f"{path.name}: {shapes}: give one row per time and one column per joint")
