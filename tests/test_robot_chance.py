@@ -31,7 +31,7 @@ def stack_of(columns, residuals):
         JointGram(
             f"j{i}",
             N,
-            joint_gram(LAW, columns, e, at, OF_BLOCK, COUNT),
+            joint_gram(LAW, columns, e, OF_BLOCK, COUNT),
             at,
             1.0,
             1.0,

@@ -169,15 +169,10 @@ class Along:
                 found += self._shafts[shaft.bare] @ step
         return found
 
-    @property
-    def acceleration(self) -> Array:
-        """Acceleration of the joint, shape (n,)."""
-        return self.original.signals[:, A]
-
     @cached_property
     def rate(self) -> Array:
         """Acceleration of the joint on the kept samples, shape (k,)."""
-        return self.original.balanced(self.acceleration)
+        return self.original.balanced(self.original.signals[:, A])
 
     def segment(self, like: Segment) -> Segment:
         """A log with the load of the corrected model.
@@ -185,7 +180,8 @@ class Along:
         Args:
             like: the same log with its present weights.
         """
-        return self._loaded(like, self.change(), self._armature)
+        change = self.torque - self._believed + self.of_shafts()
+        return self._loaded(like, change, self._armature)
 
     def other(self, state: Corrections) -> Segment:
         """The log with the load under other corrections, where `original` has that under these."""
@@ -196,18 +192,14 @@ class Along:
 
     def _loaded(self, like: Segment, change: Array, armature: float) -> Segment:
         """A log with a change of the original's load, without and with the joint's own rotor."""
-        signals = like.signals.copy()
-        signals[:, LOAD] = self.original.signals[:, LOAD] + change + armature * self.acceleration
-        signals[:, GEAR] = self.original.signals[:, GEAR] + change
+        before, signals = self.original.signals, like.signals.copy()
+        signals[:, LOAD] = before[:, LOAD] + change + armature * before[:, A]
+        signals[:, GEAR] = before[:, GEAR] + change
         return replace(like, signals=signals, driven_along=None)
 
     @property
     def _armature(self) -> float:
         return self.state.armature.get(self.body.joint, 0.0)
-
-    def change(self) -> Array:
-        """Torque that the corrections add to the model, without the joint's own rotor, (n,)."""
-        return self.torque - self._believed + self.of_shafts()
 
     def of_shafts(self) -> Array:
         """Torque of all shafts over the whole grid, shape (n,)."""

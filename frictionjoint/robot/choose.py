@@ -47,17 +47,26 @@ class Choice:
         evidence: its gain is the fraction of a joint's held-out sum of squares that it removes, for
             the joint with the largest; its p-value is over the whole family; its margin is over all
             joints.
-        numbers: of the cause, to first order, for its free columns.
+        numbers: of the cause, to first order, for its free columns, next to all others.
     """
 
     candidate: Candidate
     evidence: Evidence
-    numbers: Array = field(repr=False)
+    numbers: Array = field(default_factory=lambda: np.zeros(0), repr=False)
 
     @property
     def bends(self) -> bool:
         """Whether its absence may bias the laws."""
         return self.evidence.held_out_gain > _BENT
+
+    @property
+    def start(self) -> Array:
+        """All numbers of the cause, including those that stay on their bounds and are no columns,
+        shape (k,)."""
+        assert self.candidate.cause is not None
+        x = self.candidate.cause.start.copy()
+        x[self.candidate.at - self.candidate.first] = self.numbers
+        return x
 
     def of(self, cause: Cause) -> "Choice":
         """The choice for a part of its cause."""
@@ -87,51 +96,50 @@ def choose(
         standing: effects common to all joints that were fitted together with the laws. They come
             first, with their best present shape, unless they are no longer justified.
     """
-    accepted: list[Candidate] = list(screened.accepted)
     choices: list[Choice] = []
     names = {term.name for term in standing}
     if names:
-        choice = _next(screened, accepted, rng, lambda c: bool(c.common) and c.effect in names)
-        if choice:
-            choices.append(choice)
-            accepted.append(choice.candidate)
+        choice = _next(screened, choices, rng, lambda c: bool(c.common) and c.effect in names)
+        choices += [choice] if choice else []
     for _ in range(MOST_CHANGES):
-        choice = _next(screened, accepted, rng)
+        choice = _next(screened, choices, rng)
         if choice is None:
             break
         choices.append(choice)
-        accepted.append(choice.candidate)
         if choice.candidate.shared and choice.bends:
             break
     return _together(screened, choices)
 
 
 def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
-    """Remove effects of single joints that later candidates replace; refit all numbers together.
+    """Remove effects of single joints that later candidates replace; fit all numbers together.
 
     A cause of several joints may seem to harm a joint whose own effect is not found yet; then it is
     selected after an effect that imitates it in another joint.
     """
-    stack, kept = screened.stack, list(choices)
+    kept = list(choices)
 
     def left(some: Sequence[Choice]) -> Array:
-        return stack.held_out(columns_of((*screened.accepted, *(c.candidate for c in some))))
+        return screened.held_out(c.candidate for c in some)
 
     while len(kept) > 1:
         now, idle_ones = left(kept), []
         for i, choice in enumerate(kept):
-            without = left(kept[:i] + kept[i + 1 :])
-            needed = enough(stack, without, now) and better(now, without)
-            if not choice.candidate.shared and not needed:
-                idle_ones.append((joint_gain(without, now), i))
+            if not choice.candidate.shared:
+                without = left(kept[:i] + kept[i + 1 :])
+                if not _needed(screened.stack, without, now):
+                    idle_ones.append((joint_gain(without, now), i))
         if not idle_ones:
             break
         del kept[min(idle_ones)[1]]
-    known = columns_of(screened.accepted)
-    numbers = stack.solution(np.concatenate([known, *(c.candidate.at for c in kept)]))
-    ends = np.cumsum([len(known), *(len(c.candidate.at) for c in kept)])[:-1]
-    parts = np.split(numbers, ends)[1:]
-    return [replace(c, numbers=x) for c, x in zip(kept, parts, strict=True)]
+    numbers = screened.numbers([c.candidate for c in kept])
+    return [replace(c, numbers=x) for c, x in zip(kept, numbers, strict=True)]
+
+
+def _needed(stack: Stack, without: Array, now: Array) -> bool:
+    """Whether the sums of squares are larger without a candidate, by more than chance and the
+    laws' own errors."""
+    return enough(stack, without, now) and better(now, without)
 
 
 def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Array]]:
@@ -145,28 +153,28 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
         index of each, and the ratio of the sums of squares without and with it to first order, by
             joint, (J,).
     """
-    stack, found = screened.stack, []
-    now = stack.held_out(_of_robot(screened))
+    now, found = _left_by_robot(screened), []
     for i, rest in enumerate(without):
-        left = rest.stack.held_out(_of_robot(rest))
-        if not (enough(stack, left, now) and better(now, left)):
+        left = _left_by_robot(rest)
+        if not _needed(screened.stack, left, now):
             found.append((joint_gain(left, now), i, left_of(now, left)))
     found.sort(key=lambda one: one[:2])
     return [(i, ratios) for _, i, ratios in found]
 
 
-def _of_robot(screened: Screened) -> Columns:
-    """Columns of causes in the model and of effects common to all joints."""
-    return columns_of((*screened.accepted, *(c for c in screened.candidates if c.shared)))
+def _left_by_robot(screened: Screened) -> Array:
+    """Sums of squares with causes in the model and effects common to all joints, (J, B)."""
+    return screened.held_out(c for c in screened.candidates if c.shared)
 
 
 def _next(
     screened: Screened,
-    accepted: Sequence[Candidate],
+    choices: Sequence[Choice],
     rng: np.random.Generator,
     wanted: Callable[[Candidate], bool] = lambda c: True,
 ) -> Choice | None:
-    """The best of all candidates, if it is wanted and justified."""
+    """The best of all candidates next to earlier choices, if it is wanted and justified."""
+    accepted = (*screened.accepted, *(c.candidate for c in choices))
     stack, known = screened.stack, columns_of(accepted)
     now = stack.held_out(known)
     open_ones = [
@@ -213,11 +221,7 @@ def _next(
         (others[0].total - simplest.total) / float(now.sum()) if others else 0.0,
         tuple(ties),
     )
-    return Choice(
-        simplest.candidate,
-        evidence,
-        stack.solution(np.concatenate([known, simplest.candidate.at]))[len(known) :],
-    )
+    return Choice(simplest.candidate, evidence)
 
 
 def _excluded(candidate: Candidate, accepted: Candidate) -> bool:
@@ -239,7 +243,7 @@ def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candida
         return candidate
     while len(at):
         x = stack.solution(np.concatenate([known, at]))[len(known) :]
-        inside = (x >= room[: len(x), 0]) & (x <= room[: len(x), 1])
+        inside = (x >= room[:, 0]) & (x <= room[:, 1])
         if inside.all():
             return replace(candidate, at=at, room=room)
         if not inside[: candidate.essential].all():
@@ -254,9 +258,9 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:
-    if row.p_value > SIGNIFICANCE or not better(row.left, now) or harms(row.left, now):
-        return False
-    return enough(stack, now, row.left)
+    return (
+        row.p_value <= SIGNIFICANCE and _needed(stack, now, row.left) and not harms(row.left, now)
+    )
 
 
 def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, deviation: float) -> bool:

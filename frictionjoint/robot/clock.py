@@ -5,7 +5,7 @@ of time of all joints. Logs in which a joint stands still are not among that joi
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,7 +54,12 @@ class Clock:
 
     def of_sample(self, joint: FittedJoint) -> Index:
         """Block number of each kept sample of a joint's logs, shape (n,)."""
-        return _of_sample(joint, self.number, self.length, self.first, self.count)
+        found, ends = [], np.append(self.first[1:], self.count)
+        for place, s in by_place(joint.prepared.segments).items():
+            i = self.number[place]
+            block = (s.at_kept(s.signals[:, TIME]) / self.length[i]).astype(np.int64)
+            found.append(np.minimum(self.first[i] + block, ends[i] - 1))
+        return np.concatenate(found)
 
 
 def clock(joints: Sequence[FittedJoint]) -> Clock:
@@ -73,21 +78,9 @@ def clock(joints: Sequence[FittedJoint]) -> Clock:
     counts = np.maximum(2, np.round(spans / length)).astype(np.int64)
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
     log = np.repeat(np.arange(len(spans)), counts)
-    lengths = spans / counts
-    fold = log if len(spans) >= LOGS else _kinds(joints, number, lengths, first, len(log))
     samples = float(np.median([n for _, n in alike]))
-    return Clock(number, lengths, first, fold, log, samples)
-
-
-def _of_sample(
-    joint: FittedJoint, number: Mapping[Place, int], length: Array, first: Index, count: int
-) -> Index:
-    found, ends = [], np.append(first[1:], count)
-    for place, s in by_place(joint.prepared.segments).items():
-        i = number[place]
-        t = s.at_kept(s.signals[:, TIME])
-        found.append(np.minimum(first[i] + (t / length[i]).astype(np.int64), ends[i] - 1))
-    return np.concatenate(found)
+    made = Clock(number, spans / counts, first, log, log, samples)
+    return made if len(spans) >= LOGS else replace(made, fold=_kinds(joints, made))
 
 
 def _correlation(joint: FittedJoint) -> tuple[float, float]:
@@ -100,19 +93,13 @@ def _correlation(joint: FittedJoint) -> tuple[float, float]:
     return max(found)
 
 
-def _kinds(
-    joints: Sequence[FittedJoint],
-    number: Mapping[Place, int],
-    length: Array,
-    first: Index,
-    count: int,
-) -> Index:
+def _kinds(joints: Sequence[FittedJoint], blocks: Clock) -> Index:
     """Kind of motion of each block: speed, acceleration, position and direction of all joints."""
     rows = []
     for joint in joints:
-        of_sample = _of_sample(joint, number, length, first, count)
+        of_sample = blocks.of_sample(joint)
         q, v, a = (joint.prepared.at_kept(k) for k in (Q, V, A))
-        size = np.maximum(np.bincount(of_sample, minlength=count), 1)
+        size = np.maximum(np.bincount(of_sample, minlength=blocks.count), 1)
         for x in (v**2, a**2, q, np.sign(v)):
-            rows.append(np.bincount(of_sample, x, count) / size)
+            rows.append(np.bincount(of_sample, x, blocks.count) / size)
     return kinds_of(np.column_stack(rows))

@@ -37,7 +37,14 @@ from frictionjoint.robot.causes.cause import composed
 from frictionjoint.robot.corrections import Corrections, write_corrections
 from frictionjoint.robot.exchanged import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
-from frictionjoint.robot.explain import Explained, Fitted, State, Task, explain_joint
+from frictionjoint.robot.explain import (
+    Corrected,
+    Explained,
+    Fitted,
+    State,
+    Task,
+    explain_joint,
+)
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.information import information
 from frictionjoint.robot.joint import FittedJoint, first_fit
@@ -128,14 +135,13 @@ def close_loop_robot(
             raise LogError(next(iter(failed.values())))
         require_own_columns(tasks, fitted)
         shared = shared_causes(list(fitted.values()), logs.moving, each, how.seed, how.progress)
-        ready = _with_causes([tasks[n] for n in fitted], fitted, shared, model)
-        outcomes = dict(_side_by_side(ready, each, how.progress))
+        corrected = _state(model, shared.settled.found)
+        ready = [_with_causes(tasks[n], x, shared, corrected) for n, x in fitted.items()]
+        outcomes = _side_by_side(ready, each, how.progress)
     done = {n: x for n, x in outcomes.items() if not isinstance(x, str)}
     failed |= {n: x for n, x in outcomes.items() if isinstance(x, str)}
     if not done:
         raise LogError(next(iter(failed.values())))
-    corrected = ready[0].corrected
-    assert corrected is not None
     how.progress("choosing what to record next")
     settled = shared.settled.joints
     known = information(settled, logs.moving)
@@ -174,28 +180,15 @@ def _first(task: Task) -> FittedJoint | str:
         return str(error)
 
 
-def _with_causes(
-    tasks: list[Task], fitted: Mapping[str, FittedJoint], shared: Shared, model: str | Path
-) -> list[Task]:
-    """Tasks with the corrected model, and with the corrections without each cause."""
+def _with_causes(task: Task, first: FittedJoint, shared: Shared, model: State) -> Corrected:
+    """A task with the corrected model, and with the corrections without each cause."""
     found = shared.settled.found
-    corrected = _state(model, found)
-    without = {i: found.without(i).state for i in range(len(found.causes))}
-    return [
-        replace(
-            task,
-            corrected=corrected,
-            corrections=found.state,
-            original=found.original,
-            without={
-                i: state
-                for i, state in without.items()
-                if task.joint in shared.choices[i].candidate.joints
-            },
-            shape=fitted[task.joint].fit.shape,
-        )
-        for task in tasks
-    ]
+    without = {
+        i: found.without(i).state
+        for i, choice in enumerate(shared.choices)
+        if task.joint in choice.candidate.joints
+    }
+    return Corrected(task, model, found.original, found.state, without, first.fit.shape)
 
 
 def _state(model: str | Path, found: Found) -> State:
@@ -209,14 +202,17 @@ def _state(model: str | Path, found: Found) -> State:
 
 
 def _side_by_side(
-    tasks: list[Task], each: Each[Task, Explained | str], progress: Callable[[str], None]
-) -> list[tuple[str, Explained | str]]:
-    found = []
-    progress(f"joint 1 of {len(tasks)}: {tasks[0].joint}")
-    for i, (task, one) in enumerate(zip(tasks, each(explain_joint, tasks), strict=True)):
-        found.append((task.joint, one))
-        if i + 1 < len(tasks):
-            progress(f"joint {i + 2} of {len(tasks)}: {tasks[i + 1].joint}")
+    joints: list[Corrected],
+    each: Each[Corrected, Explained | str],
+    progress: Callable[[str], None],
+) -> dict[str, Explained | str]:
+    """The outcome of each joint by its name."""
+    names = [joint.task.joint for joint in joints]
+    found = {}
+    explained = iter(each(explain_joint, joints))
+    for i, name in enumerate(names):
+        progress(f"joint {i + 1} of {len(names)}: {name}")
+        found[name] = next(explained)
     return found
 
 
@@ -290,16 +286,17 @@ def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:
     others = found.without(i)
     state = composed(others.causes, others.numbers, found.original)
     values = cause.values(state, x)
-    slopes = {name: np.zeros(len(x)) for name in values}
-    for k, step in enumerate(cause.steps):
-        moved = np.zeros(len(x))
-        moved[k] = step
-        above, below = cause.values(state, x + moved), cause.values(state, x - moved)
-        for name in values:
-            slopes[name][k] = (above[name][0] - below[name][0]) / (2.0 * step)
+
+    def at(x: Array) -> Array:
+        return np.array([value for value, _ in cause.values(state, x).values()])
+
+    slopes = [
+        (at(x + way) - at(x - way)) / (2.0 * step)
+        for step, way in zip(cause.steps, np.diag(cause.steps), strict=True)
+    ]
     return {
-        name: Estimate(value, _error(slopes[name], cov), unit)
-        for name, (value, unit) in values.items()
+        name: Estimate(value, _error(slope, cov), unit)
+        for (name, (value, unit)), slope in zip(values.items(), np.transpose(slopes), strict=True)
     }
 
 

@@ -52,14 +52,17 @@ def law_columns(joint: FittedJoint) -> Array:
 
 
 def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:
-    """Gram matrices of some of a joint's columns, in units of its residual."""
+    """Gram matrices of a joint's columns, in units of its residual.
+
+    Args:
+        columns: shape (n, c). at: their indices in the stack.
+    """
     fitted = joint.fit
     unit = (fitted.weight / joint.left)[:, None]
     grams = joint_gram(
         law_columns(joint) / joint.left,
         columns * unit,
         joint.residual * unit[:, 0],
-        at,
         clock.of_sample(joint),
         clock.count,
     )

@@ -1,7 +1,7 @@
 """One joint of a robot with the corrected model, and with the user's model."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -52,13 +52,10 @@ class State:
 
 @dataclass(frozen=True)
 class Task:
-    """Input of a process that analyses one joint.
+    """One joint, its logs and how they are analysed.
 
     Attributes:
-        user: the user's model. corrected: with all shared causes.
-        original, corrections: of the user's model and of the corrected one. without: those with all
-            but one of the causes that act on this joint, by index.
-        shape: of the law fitted with the user's model. controller: for logs without a torque.
+        user: the user's model. controller: for logs without a torque.
         refine, ends: see `diagnose.close_loop`.
     """
 
@@ -69,14 +66,28 @@ class Task:
     fixed: Mapping[str, Pose] | None
     seed: int
     law: str | None
-    corrected: State | None = None
-    original: Corrections | None = None
-    corrections: Corrections | None = None
-    without: Mapping[int, Corrections] = field(default_factory=dict)
-    shape: Shape | None = None
     controller: Controller | None = None
     refine: bool | None = None
     ends: bool = False
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """Input of a process that analyses one joint: its task, and the shared causes.
+
+    Attributes:
+        model: the user's with all shared causes.
+        original, corrections: of the user's model and of the corrected one. without: those with all
+            but one of the causes that act on this joint, by index.
+        shape: of the law fitted with the user's model.
+    """
+
+    task: Task
+    model: State
+    original: Corrections
+    corrections: Corrections
+    without: Mapping[int, Corrections]
+    shape: Shape
 
 
 @dataclass(frozen=True)
@@ -106,22 +117,22 @@ class Explained:
     with_all: Rms
 
 
-def explain_joint(task: Task) -> Explained | str:
+def explain_joint(joint: Corrected) -> Explained | str:
     """Analyse one joint with the corrected model; or one line that says why it has no result.
 
     A numerical failure on one joint's logs does not stop the other joints.
     """
     try:
-        return _explained(task)
+        return _explained(joint)
     except FrictionJointError as error:
         return str(error)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
-        return f"{task.joint}: the search broke down ({error}): name it alone with --joint"
+        return f"{joint.task.joint}: the search broke down ({error}): name it alone with --joint"
 
 
-def _explained(task: Task) -> Explained:
-    assert task.corrected is not None
-    body = task.corrected.body(task.joint, task.fixed)
+def _explained(joint: Corrected) -> Explained:
+    task = joint.task
+    body = joint.model.body(task.joint, task.fixed)
     found = explain(
         task.logs,
         task.held_out,
@@ -137,14 +148,14 @@ def _explained(task: Task) -> Explained:
     without: dict[int, Rms] = {}
     before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
     with_all = report.before_torque
-    if task.corrected != task.user:
-        assert task.original is not None
-        alongs = _alongs(task, after)
-        before = _law_alone(task, task.original, after, alongs, trace)
+    if joint.model != task.user:
+        alongs = _alongs(joint, after)
+        shapes = joint.shape, trace.base.shape
+        before = _law_alone(joint.original, after, alongs, shapes)
         runs, loops = _replays(before, task)
         without = {
-            i: _torque(_law_alone(task, state, after, alongs, trace), trace)
-            for i, state in task.without.items()
+            i: _torque(_law_alone(state, after, alongs, shapes), trace)
+            for i, state in joint.without.items()
         }
         cov = stated_covariance(before.prepared, before.fit)
         report = replace(
@@ -165,22 +176,25 @@ def _explained(task: Task) -> Explained:
     return Explained(report, before, after, found.simulated, without, with_all)
 
 
-def _alongs(task: Task, after: Fitted) -> list[tuple[Along, ...]]:
+def _alongs(joint: Corrected, after: Fitted) -> list[tuple[Along, ...]]:
     """Fitted logs, and held-out logs, as their load is under the corrections."""
-    assert task.corrections is not None
-    body, state = task.user.body(task.joint, task.fixed), task.corrections
+    task, state = joint.task, joint.corrections
+    body = task.user.body(task.joint, task.fixed)
     kept_back = after.kept_back.segments if after.kept_back else ()
     return [tuple(Along(body, s, state) for s in x) for x in (after.prepared.segments, kept_back)]
 
 
 def _law_alone(
-    task: Task, state: Corrections, after: Fitted, alongs: list[tuple[Along, ...]], trace: Trace
+    state: Corrections, after: Fitted, alongs: list[tuple[Along, ...]], shapes: Iterable[Shape]
 ) -> Fitted:
-    """The law fitted under other corrections, on the same samples with the same weights."""
-    assert task.shape is not None
+    """The law fitted under other corrections, on the same samples with the same weights.
+
+    Args:
+        shapes: from which the fits start.
+    """
     segments, kept = (tuple(a.other(state) for a in x) for x in alongs)
     prepared = replace(after.prepared, segments=segments)
-    fits = [refit(prepared, (), shape) for shape in (task.shape, trace.base.shape)]
+    fits = [refit(prepared, (), shape) for shape in shapes]
     prepared, best = settled(prepared, best_of(fits, lambda f: f.drive_rms))
     kept_back = after.kept_back and replace(after.kept_back, segments=kept)
     return Fitted(prepared, kept_back, best)

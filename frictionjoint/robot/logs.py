@@ -3,12 +3,13 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol, TypeVar, get_args
+from typing import TypeVar, get_args
 
 import numpy as np
 
 from frictionjoint.errors import LogError, ModelError, NoMotionError, few
 from frictionjoint.identify.driven_joints import joints_to_explain
+from frictionjoint.identify.segment import Segment
 from frictionjoint.measured.log import JointLog, split_each_in_time
 from frictionjoint.measured.long_logs import bounded
 from frictionjoint.measured.readers import read_log
@@ -21,19 +22,10 @@ LogLike = JointLog | str | Path
 Place = tuple[str, int]
 
 
-class Named(Protocol):
-    """Anything with the name of a log."""
-
-    @property
-    def name(self) -> str:
-        """Name of the log."""
-        ...
+_Log = TypeVar("_Log", JointLog, Segment)
 
 
-_L = TypeVar("_L", bound=Named)
-
-
-def by_place(logs: Sequence[_L]) -> dict[Place, _L]:
+def by_place(logs: Sequence[_Log]) -> dict[Place, _Log]:
     """A joint's logs in order; the same log of another joint has the same index."""
     names = [log.name for log in logs]
     return {(log.name, names[:i].count(log.name)): log for i, log in enumerate(logs)}

@@ -2,7 +2,7 @@
 joints."""
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.candidate import Candidate
+from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.columns import gram_of, own_effects
@@ -18,7 +18,7 @@ from frictionjoint.robot.common import common_columns
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.stack import Stack
+from frictionjoint.robot.stack import Columns, Stack
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,20 @@ class Screened:
     stack: Stack
     accepted: tuple[Candidate, ...]
     candidates: tuple[Candidate, ...]
+
+    def columns(self, more: Iterable[Candidate]) -> Columns:
+        """Columns of the causes in the model and of more candidates, in order."""
+        return columns_of((*self.accepted, *more))
+
+    def held_out(self, more: Iterable[Candidate]) -> Array:
+        """Sum of squares with the causes in the model and more candidates, (J, B), see `Stack`."""
+        return self.stack.held_out(self.columns(more))
+
+    def numbers(self, more: Sequence[Candidate]) -> list[Array]:
+        """Numbers of each of some candidates, fitted together with the causes in the model."""
+        known = columns_of(self.accepted)
+        ends = np.cumsum([len(known), *(len(c.at) for c in more)])[:-1]
+        return np.split(self.stack.solution(self.columns(more)), ends)[1:]
 
     def without(self, candidate: Candidate) -> "Screened":
         """The screened model without a cause, whichever of its numbers are free."""
@@ -55,47 +69,39 @@ def screen(
         own: labels of the joints' own effects that compete. common: effects common to all joints.
         shaped: joints whose residuals determine the shapes of their own effects; none: `joints`.
     """
-    starts = [_start(joints, clock, found, c) for c in causes]
-    models = [found.with_cause(c, x) for c, x in zip(causes, starts, strict=True)]
-    pairs = [found.pairs(i) for i in range(len(found.causes))]
-    pairs += [m.pairs(len(found.causes)) for m in models]
+    n = len(found.causes)
+    models = [found.with_cause(c, _start(joints, clock, found, c)) for c in causes]
+    pairs = [*(found.pairs(i) for i in range(n)), *(m.pairs(n) for m in models)]
     edges = np.cumsum([0, *(len(p) for p in pairs)])
-    shared = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     size = int(edges[-1])
-    parts = []
     effects = _of_all(joints, common, size)
     size += sum(len(c.at) for c in effects)
+    of_robot, grams = np.arange(size), []
     for joint, like in zip(joints, shaped or joints, strict=True):
-        columns = joint.columns([pair for several in pairs for pair in several])
-        columns = np.column_stack([columns, *common_columns(joint, common)])
+        at = [of_robot]
+        parts = [joint.columns(list(itertools.chain(*pairs))), *common_columns(joint, common)]
         for candidate, x in own_effects(like, clock, own):
-            at = size + np.arange(x.shape[1])
-            effects.append(replace(candidate, at=at, first=int(at[0])))
-            columns, size = _append(columns, x, size), size + x.shape[1]
-        parts.append(columns)
-    norms = [np.linalg.norm(x, axis=0) for x in parts]
-    grams = []
-    acts: dict[int, list[str]] = {}
-    for joint, x, norm in zip(joints, parts, norms, strict=True):
+            at.append(size + np.arange(x.shape[1]))
+            parts.append(x)
+            effects.append(replace(candidate, at=at[-1], first=size))
+            size += x.shape[1]
+        columns = np.column_stack(parts)
+        norm = np.linalg.norm(columns, axis=0)
         # smaller columns are rounding of a difference
-        at = np.flatnonzero(norm > 1e-8 * norm.max(initial=0.0))
-        for k in at:
-            acts.setdefault(int(k), []).append(joint.name)
-        grams.append(gram_of(joint, x, at, clock))
+        acts = norm > 1e-8 * norm.max(initial=0.0)
+        grams.append(gram_of(joint, columns[:, acts], np.concatenate(at)[acts], clock))
     numbers = [*found.numbers, *(c.start for c in causes)]
     precision, pull = np.zeros(size), np.zeros(size)
-    for at, cause, x in zip(shared, (*found.causes, *causes), numbers, strict=True):
-        precision[at] = clock.alike * cause.prior**-2.0
-        pull[at] = -precision[at] * x
-    stack = Stack(grams, clock, precision, pull)
     sets = []
-    for at, cause, x in zip(shared, (*found.causes, *causes), numbers, strict=True):
-        where = {name for k in at for name in acts.get(int(k), [])}
-        named = tuple(j.name for j in joints if j.name in where)
+    for k, (cause, x) in enumerate(zip((*found.causes, *causes), numbers, strict=True)):
+        own_at = np.arange(edges[k], edges[k + 1])
+        precision[own_at] = clock.alike * cause.prior**-2.0
+        pull[own_at] = -precision[own_at] * x
+        moved = tuple(g.name for g in grams if np.isin(own_at, g.columns).any())
         room = np.array(cause.bounds) - x[:, None]
-        sets.append(Candidate(at, named, cause, first=int(at[0]), room=room))
-    n = len(found.causes)
+        sets.append(Candidate(own_at, moved, cause, first=int(edges[k]), room=room))
     candidates = [c for c in sets[n:] if c.joints]
+    stack = Stack(grams, clock, precision, pull)
     return Screened(stack, tuple(sets[:n]), (*candidates, *effects))
 
 
@@ -121,9 +127,3 @@ def _start(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cau
         return cause.start
     start = found.with_cause(cause, cause.start)
     return descended(joints, clock, start, lambda label: False).numbers[-1]
-
-
-def _append(columns: Array, more: Array, size: int) -> Array:
-    """Columns padded with zeros, so that others begin at a given index."""
-    room = np.zeros((len(columns), size - columns.shape[1]))
-    return np.column_stack([columns, room, more])

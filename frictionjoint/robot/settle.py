@@ -11,15 +11,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.clock import Clock, clock
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
-from frictionjoint.robot.stack import Columns, Stack, roots
 from frictionjoint.robot.workers import Each
 
 
@@ -39,12 +36,36 @@ class Settled:
     clock: Clock
     covariance: tuple[Array, ...] = field(default=(), repr=False)
 
+    def corrected(self, found: Found) -> "Settled":
+        """The same laws in the same blocks, with the joints under other causes."""
+        joints = tuple(j.corrected(found.state) for j in self.joints)
+        return replace(self, found=found, joints=joints)
+
+    def screened(self, single_effects: frozenset[str]) -> Screened:
+        """Columns of the causes, of some effects of single joints by label, and of the common
+        effects that were fitted with the laws.
+        """
+        common = self.joints[0].common_effects
+        return screen(self.joints, self.clock, self.found, (), single_effects.__contains__, common)
+
+    def squares_left(self, single_effects: frozenset[str]) -> Array:
+        """Residual sum of squares by joint and block with some effects of single joints, (J, B)."""
+        seen = self.screened(single_effects)
+        return seen.held_out(seen.candidates)
+
+    def with_common(
+        self, terms: tuple[EffectTerm, ...], each: Each[FittedJoint, FittedJoint]
+    ) -> "Settled":
+        """The same causes, with the laws fitted together with some effects of all joints."""
+        before = [replace(j, common_effects=terms) for j in self.joints]
+        return replace(self, joints=_fitted_again(before, FittedJoint.refitted, each))
+
     def with_covariance(self, single_effects: frozenset[str]) -> "Settled":
         """The same with the covariance, next to some effects of single joints, by label."""
         if not self.found.causes:
             return self
-        seen = screened(self.joints, self.clock, self.found, single_effects)
-        cov = covariance(seen.stack, columns_of((*seen.accepted, *seen.candidates)))
+        seen = self.screened(single_effects)
+        cov = seen.stack.covariance(seen.columns(seen.candidates))
         ends = np.cumsum([0, *(len(c.at) for c in seen.accepted)])
         return replace(self, covariance=tuple(cov[a:b, a:b] for a, b in itertools.pairwise(ends)))
 
@@ -66,15 +87,14 @@ def settle(
     if not found.causes:
         now = _fitted_again(now, _followed, each)
         return Settled(found, now, clock(now))
-    before: tuple[FittedJoint, ...] | None = None
-    for _ in range(4):
-        stepped = descended(now, clock(now), found, lambda label: label in single_effects)
+    for turn in range(4):
+        stepped = descended(now, clock(now), found, single_effects.__contains__)
         trial = _fitted_again([j.corrected(stepped.state) for j in now], _followed, each)
-        if before is not None:
-            ratios = [(a.rms / b.rms) ** 2 for a, b in zip(trial, before, strict=True)]
-            if float(np.mean(ratios)) > 0.999:  # a gain below 0.1% ends the iteration
-                break
-        found, now, before = stepped, trial, trial
+        # a gain below 0.1% ends the iteration
+        ratios = [(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]
+        if turn and float(np.mean(ratios)) > 0.999:
+            break
+        found, now = stepped, trial
     return Settled(found, now, clock(now))
 
 
@@ -100,60 +120,3 @@ def _followed(joint: FittedJoint) -> FittedJoint:
         return again
     anew = again.refitted(anew=True)
     return anew if anew.rms < again.rms else again
-
-
-def fitted_with_common(
-    joints: Sequence[FittedJoint],
-    terms: tuple[EffectTerm, ...],
-    each: Each[FittedJoint, FittedJoint],
-) -> tuple[FittedJoint, ...]:
-    """Joints with their laws fitted together with some effects."""
-    return _fitted_again(
-        [replace(j, common_effects=terms) for j in joints], FittedJoint.refitted, each
-    )
-
-
-def screened(
-    joints: Sequence[FittedJoint], blocks: Clock, found: Found, single_effects: frozenset[str]
-) -> Screened:
-    """Columns of the causes in the model, of some effects of single joints by label, and of the
-    common effects that were fitted with the laws.
-    """
-    return screen(joints, blocks, found, (), single_effects.__contains__, joints[0].common_effects)
-
-
-def squares_left(
-    joints: Sequence[FittedJoint], blocks: Clock, found: Found, single_effects: frozenset[str]
-) -> Array:
-    """Residual sum of squares by joint and block with causes and some effects of joints, (J, B)."""
-    seen = screened(joints, blocks, found, single_effects)
-    return seen.stack.held_out(columns_of((*seen.accepted, *seen.candidates)))
-
-
-def covariance(stack: Stack, at: Columns) -> Array:
-    """Covariance of coefficients fitted together, (k, k); blocks of time are independent,
-    samples not."""
-    G = stack.presumed_apart(at)
-    scale = roots(G)
-    values, vectors = eigh(G / np.outer(scale, scale))
-    # directions of smaller eigenvalues are undetermined, and numbers that contain them
-    determined = values > 1e-8 * values[-1]
-    inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T
-    scores = stack.products(at, np.zeros(0, dtype=np.int64))[1] / scale
-    blocks = len(scores)
-    spread = scores.T @ scores * blocks / max(1, blocks - len(at))
-    cov = (inverse @ spread @ inverse) / np.outer(scale, scale)
-    open_ones = np.sum(vectors[:, ~determined] ** 2, axis=1) > 1e-4
-    cov[open_ones, open_ones] = np.inf
-    return np.asarray(cov)
-
-
-def numbers_of(candidate: Candidate, numbers: Array, start: Array) -> Array:
-    """All numbers of a cause, including those that stay on their bounds and are no columns.
-
-    Args:
-        numbers: of the candidate's columns, in order.
-    """
-    x = start.copy()
-    x[candidate.at - candidate.first] = numbers
-    return x

@@ -18,21 +18,13 @@ from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.together import parts_of
 from frictionjoint.robot.choose import Choice, choose, idle
-from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.common import Common, common_terms
 from frictionjoint.robot.compare import nearer
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
-from frictionjoint.robot.settle import (
-    Settled,
-    covariance,
-    fitted_with_common,
-    numbers_of,
-    screened,
-    settle,
-)
+from frictionjoint.robot.settle import Settled, settle
 from frictionjoint.robot.shaft_waves import with_waves
 from frictionjoint.robot.simpler import simpler
 from frictionjoint.robot.ties import restated
@@ -92,13 +84,12 @@ def shared_causes(
         here = now.settled.found
         possible = [*open_ones, *with_waves(now.joints, here)]
         candidates = [c for c in possible if c not in here.causes and c not in refused]
-        looked = screen(now.joints, now.clock, here, candidates, common=alike)
+        looked = screen(now.joints, now.settled.clock, here, candidates, common=alike)
         grown: _Now | None = None
         while grown is None:
             seen = choose(looked, rng, now.joints[0].common_effects)
             new = [c for c in seen if c.candidate.cause is not None]
-            single = [c.candidate for c in seen if not c.candidate.shared]
-            labels = frozenset(f"{c.effect} of {joint}" for c in single for joint in c.joints)
+            labels = frozenset(c.candidate.label for c in seen if not c.candidate.shared)
             fits = _Fits(each, labels)
             common = _common(looked, seen)
             if not new:
@@ -114,12 +105,12 @@ def shared_causes(
             now, refused = grown, frozenset()
             tried.clear()
             continue
-        if simplest is None or simplest[0] is not now or simplest[1] != fits.single_effects:
+        if simplest is None or simplest[0] is not now or simplest[1] != labels:
             now, simplified = fits.simplified(now, open_ones, alike)
             if simplified:
                 tried.clear()
                 continue
-            simplest = now, fits.single_effects
+            simplest = now, labels
         terms = tuple(one.term for one, _ in common)
         if terms != now.joints[0].common_effects:
             # what all joints have alike has bent their laws
@@ -131,12 +122,11 @@ def shared_causes(
             open_ones, whole = [*open_ones, *whole], []
             continue
         tried.add(now.single_effects)
-        if not here.causes or fits.single_effects in tried:
+        if not here.causes or labels in tried:
             break
         # numbers that were fitted before effects of single joints were seen hold a part of them
         now = fits.settled(now, here, now.choices)
-    labels, found = fits.single_effects, now.settled.found
-    choices = restated(now.joints, now.clock, found, now.choices, open_ones, labels)
+    choices = restated(now.settled, now.choices, open_ones, labels)
     return Shared(now.settled.with_covariance(labels), choices, common)
 
 
@@ -145,8 +135,8 @@ def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Cho
     choices = [(c.candidate.common, c) for c in seen if c.candidate.common]
     if not choices:
         return ()
-    at = columns_of((*looked.accepted, *(c.candidate for c in seen)))
-    numbers, cov = looked.stack.solution(at), covariance(looked.stack, at)
+    at = looked.columns(c.candidate for c in seen)
+    numbers, cov = looked.stack.solution(at), looked.stack.covariance(at)
     found = []
     for term, choice in choices:
         own = np.flatnonzero(np.isin(at, choice.candidate.at))
@@ -167,10 +157,6 @@ class _Now:
     def joints(self) -> tuple[FittedJoint, ...]:
         return self.settled.joints
 
-    @property
-    def clock(self) -> Clock:
-        return self.settled.clock
-
 
 @dataclass(frozen=True)
 class _Fits:
@@ -187,8 +173,7 @@ class _Fits:
 
     def with_common(self, now: _Now, terms: tuple[EffectTerm, ...]) -> _Now:
         """The state with the laws fitted together with common effects."""
-        joints = fitted_with_common(now.joints, terms, self.each)
-        return replace(now, settled=replace(now.settled, joints=joints))
+        return replace(now, settled=now.settled.with_common(terms, self.each))
 
     def grown(self, now: _Now, new: Sequence[Choice]) -> _Now | None:
         """The state with all accepted causes, or only the first; None if neither improves the fit.
@@ -214,8 +199,7 @@ class _Fits:
             cause = choice.candidate.cause
             if cause is None:
                 continue
-            numbers = numbers_of(choice.candidate, choice.numbers, cause.start)
-            for part, own in parts_of(cause, numbers):
+            for part, own in parts_of(cause, choice.start):
                 at = [i for i, c in enumerate(found.causes) if c.changed == part.changed]
                 for i in reversed(at):
                     found, choices = found.without(i), choices[:i] + choices[i + 1 :]
@@ -227,9 +211,7 @@ class _Fits:
     ) -> tuple[_Now, bool]:
         """A cause replaced by one with fewer numbers that explains as much, and whether it was."""
         found = now.settled.found
-        proposed = simpler(
-            now.joints, now.clock, found, now.choices, causes, common, self.single_effects
-        )
+        proposed = simpler(now.settled, now.choices, causes, common, self.single_effects)
         for out, several in proposed:
             choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
             rest = _Now(replace(now.settled, found=found.without(*out)), choices)
@@ -257,7 +239,7 @@ class _Fits:
         """Ratio of the sums of squares after and before, with effects of single joints, (J,)."""
         found = []
         for now in (after, before):
-            seen = screened(now.joints, now.clock, now.settled.found, self.single_effects)
+            seen = now.settled.screened(self.single_effects)
             squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
             found.append(squares * [j.left**2 for j in seen.stack.joints])
         return np.asarray(found[0] / found[1])
@@ -275,15 +257,12 @@ class _Fits:
         After refitting the other causes, the residual must be as small as predicted to first order.
         The other causes may not compensate with numbers past their bounds.
         """
-        found = now.settled.found
-        others = []
-        for i in range(len(found.causes)):
-            rest = found.without(i)
-            at = [j.corrected(rest.state) for j in now.joints]
-            others.append(screened(at, now.clock, rest, self.single_effects))
-        for i, promised in idle(
-            screened(now.joints, now.clock, found, self.single_effects), others
-        ):
+        found, seen = now.settled.found, now.settled.screened(self.single_effects)
+        others = [
+            now.settled.corrected(found.without(i)).screened(self.single_effects)
+            for i in range(len(found.causes))
+        ]
+        for i, promised in idle(seen, others):
             choices = now.choices[:i] + now.choices[i + 1 :]
             trial = self.settled(now, found.without(i), choices)
             most = (1.0 + CLEARLY) * max(1.0, float(promised.mean()))

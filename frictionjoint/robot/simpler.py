@@ -10,27 +10,19 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from frictionjoint.arrays import Array
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.candidate import Candidate, columns_of
+from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice, within_bounds
-from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.compare import as_much, gain_of, nearer
 from frictionjoint.robot.descend import descended
-from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
-from frictionjoint.robot.settle import squares_left
-from frictionjoint.robot.stack import Columns
+from frictionjoint.robot.settle import Settled
 
 
 def simpler(
-    joints: Sequence[FittedJoint],
-    clock: Clock,
-    found: Found,
+    settled: Settled,
     choices: Sequence[Choice],
     causes: Sequence[Cause],
     common: Sequence[EffectTerm],
@@ -39,33 +31,31 @@ def simpler(
     """Replace one or two causes of the model by causes with fewer numbers that explain as much.
 
     Args:
-        joints: with their laws fitted under `found`; choices: evidence of its causes.
-        causes: all candidates; common: common effects that are candidates.
+        choices: evidence of its causes. causes: all candidates; common: common effects that are
+            candidates.
         single_effects: labels of effects of single joints that compete.
     """
-    left = squares_left(joints, clock, found, single_effects)
+    found, left = settled.found, settled.squares_left(single_effects)
+    # effects of all joints alike come one at a time
+    alike = () if settled.joints[0].common_effects else common
     of_one, of_two = (itertools.combinations(range(len(found.causes)), k) for k in (1, 2))
     for out in (*of_one, *of_two):
         gone = [found.causes[i] for i in out]
-        rest, size = found.without(*out), sum(len(c.start) for c in gone)
+        size = sum(len(c.start) for c in gone)
         # what stays in the model anyway is for a smaller set to be replaced
         fewer = [c for c in causes if len(c.start) < size and c not in found.causes]
-        # effects of all joints alike come one at a time
-        terms = (
-            () if joints[0].common_effects else [t for t in common if len(t.coefficients) < size]
-        )
+        terms = [t for t in alike if len(t.coefficients) < size]
         if not fewer and not terms:
             continue
-        at = [j.corrected(rest.state) for j in joints]
-        known, seen = _opened(at, joints, clock, rest, fewer, terms, single_effects)
+        rest = settled.corrected(found.without(*out))
+        seen = _opened(rest, settled.joints, fewer, terms, single_effects)
         tried, nearest = [], []
-        for several in _sets(seen, known, size):
+        for several in _sets(seen, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
                 # causes are nonlinear far from the nominal parameters
-                after = _settled(at, clock, rest, several, single_effects)
-                squares = _left(at, clock, after, single_effects)
+                squares = _fitted(rest, several, single_effects).squares_left(single_effects)
             else:
-                squares = seen.stack.held_out(_with(known, several))
+                squares = seen.held_out(several)
             total = float(squares.sum())
             if as_much(seen.stack, squares, left):
                 tried.append((_size(several), total, several))
@@ -74,56 +64,43 @@ def simpler(
         if not tried and nearest:
             # nor are two that change together: they count where bodies come back by them
             _, several = min(nearest, key=lambda one: one[0])
-            after = _settled(at, clock, rest, several, single_effects)
-            squares = _left(at, clock, after, single_effects)
-            if nearer(after.deviation, found.deviation) and as_much(seen.stack, squares, left):
+            after = _fitted(rest, several, single_effects)
+            squares = after.squares_left(single_effects)
+            if nearer(after.found.deviation, found.deviation) and as_much(
+                seen.stack, squares, left
+            ):
                 tried.append((_size(several), float(squares.sum()), several))
         if tried:
-            yield out, _choices(seen, known, _simplest(tried), choices[out[0]])
+            yield out, _choices(seen, _simplest(tried), choices[out[0]])
 
 
 def _opened(
-    joints: Sequence[FittedJoint],
+    rest: Settled,
     shaped: Sequence[FittedJoint],
-    clock: Clock,
-    rest: Found,
     causes: Sequence[Cause],
     terms: Sequence[EffectTerm],
     single_effects: frozenset[str],
-) -> tuple[Columns, Screened]:
-    """Causes and effects that are kept, and new ones as candidates.
+) -> Screened:
+    """New causes and effects as candidates; effects that are kept are accepted.
 
     Effects of single joints keep the shapes they have with the removed causes, because a fit
     without these causes would bias the shapes.
     """
-    here = joints[0].common_effects
-    seen = screen(joints, clock, rest, causes, single_effects.__contains__, (*here, *terms), shaped)
-    stands = [not c.shared or c.common in here for c in seen.candidates]
-    known = columns_of((*seen.accepted, *itertools.compress(seen.candidates, stands)))
-    open_ones = [c for c, stood in zip(seen.candidates, stands, strict=True) if not stood]
-    return known, replace(seen, candidates=tuple(open_ones))
+    here, own = rest.joints[0].common_effects, single_effects.__contains__
+    seen = screen(rest.joints, rest.clock, rest.found, causes, own, (*here, *terms), shaped)
+    stands = [c for c in seen.candidates if not c.shared or c.common in here]
+    open_ones = tuple(c for c in seen.candidates if c.shared and c.common not in here)
+    return replace(seen, accepted=(*seen.accepted, *stands), candidates=open_ones)
 
 
-def _settled(
-    joints: Sequence[FittedJoint],
-    clock: Clock,
-    rest: Found,
-    several: Sequence[Candidate],
-    single_effects: frozenset[str],
-) -> Found:
+def _fitted(rest: Settled, several: Sequence[Candidate], single_effects: frozenset[str]) -> Settled:
     """Causes fitted together with others, with numbers as accurate as theirs."""
-    start = rest
+    start = rest.found
     for candidate in several:
         assert candidate.cause is not None
         start = start.with_cause(candidate.cause, candidate.cause.start)
-    return descended(joints, clock, start, single_effects.__contains__)
-
-
-def _left(
-    joints: Sequence[FittedJoint], clock: Clock, found: Found, single_effects: frozenset[str]
-) -> Array:
-    """Sums of squares of joints with causes that did not correct them, (J, B)."""
-    return squares_left([j.corrected(found.state) for j in joints], clock, found, single_effects)
+    found = descended(rest.joints, rest.clock, start, single_effects.__contains__)
+    return rest.corrected(found)
 
 
 def _size(several: Sequence[Candidate]) -> int:
@@ -139,16 +116,16 @@ def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tupl
     return min(alike, key=lambda several: sorted(c.first for c in several))
 
 
-def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ...]]:
+def _sets(seen: Screened, size: int) -> list[tuple[Candidate, ...]]:
     """Single causes and pairs with fewer numbers.
 
     A cause can be past its bounds alone, because it compensates for another cause, and within its
     bounds together with that cause.
     """
-    stack = seen.stack
-    inside = [within_bounds(stack, c, known) for c in seen.candidates]
+    known = seen.columns(())
+    inside = [within_bounds(seen.stack, c, known) for c in seen.candidates]
     pool = [one or c for one, c in zip(inside, seen.candidates, strict=True)]
-    pool.sort(key=lambda c: float(stack.held_out(_with(known, (c,))).sum()))
+    pool.sort(key=lambda c: float(seen.held_out((c,)).sum()))
     # pairs contain one of the eight best causes
     pairs = itertools.product(pool[:8], pool)
     return [(c,) for c in inside if c is not None] + [
@@ -157,33 +134,22 @@ def _sets(seen: Screened, known: Columns, size: int) -> list[tuple[Candidate, ..
         if len(a.at) + len(b.at) < size
         and a.changed != b.changed
         and not (a.common and b.common)
-        and _possible(seen, known, a, b)
+        and _possible(seen, a, b)
     ]
 
 
-def _possible(seen: Screened, known: Columns, a: Candidate, b: Candidate) -> bool:
+def _possible(seen: Screened, a: Candidate, b: Candidate) -> bool:
     """Whether all numbers of both are within their bounds when fitted together."""
-    inside = [
-        within_bounds(seen.stack, one, _with(known, (other,))) for one, other in ((a, b), (b, a))
-    ]
+    inside = [within_bounds(seen.stack, x, seen.columns((y,))) for x, y in ((a, b), (b, a))]
     return [len(c.at) if c else 0 for c in inside] == [len(a.at), len(b.at)]
 
 
-def _with(known: Columns, several: Sequence[Candidate]) -> Columns:
-    return np.concatenate([known, columns_of(several)])
-
-
-def _choices(
-    seen: Screened, known: Columns, several: tuple[Candidate, ...], before: Choice
-) -> tuple[Choice, ...]:
+def _choices(seen: Screened, several: tuple[Candidate, ...], before: Choice) -> tuple[Choice, ...]:
     """Each with the evidence of the cause that it replaces, and its own gain."""
-    whole = seen.stack.held_out(_with(known, several))
-    numbers = seen.stack.solution(_with(known, several))[len(known) :]
-    parts = np.split(numbers, np.cumsum([len(c.at) for c in several])[:-1])
+    whole = seen.held_out(several)
     found = []
-    for candidate, x in zip(several, parts, strict=True):
-        others = tuple(c for c in several if c is not candidate)
-        without = seen.stack.held_out(_with(known, others))
+    for candidate, x in zip(several, seen.numbers(several), strict=True):
+        without = seen.held_out(c for c in several if c is not candidate)
         evidence = replace(
             before.evidence,
             held_out_gain=gain_of(without, whole),

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.chance import surprise
+from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import lengths, pseudo_inverse, without
 from frictionjoint.identify.blocks import folds_of
 from frictionjoint.robot.clock import Clock
@@ -42,16 +43,15 @@ class JointGram:
 
 
 def joint_gram(
-    law: Array, columns: Array, residual: Array, at: Columns, of_block: Columns, blocks: int
+    law: Array, columns: Array, residual: Array, of_block: Columns, blocks: int
 ) -> Array:
     """Gram matrices by block with the law's columns projected out, shape (B, c + 1, c + 1).
 
     Args:
         law: shape (n, p); columns: (n, c); residual: (n,), with equal weights.
-        at: indices of the columns. of_block: block of each sample, shape (n,). blocks: their
-            number.
+        of_block: block of each sample, shape (n,). blocks: their number.
     """
-    U = np.column_stack([columns[:, at], residual])
+    U = np.column_stack([columns, residual])
     before = np.linalg.norm(U, axis=0)
     U = without(U, law / lengths(law))
     # what the law explains whole leaves rounding
@@ -129,11 +129,22 @@ class Stack:
         x = self.solution(at)[own] - self.pull[at][own] / precision
         return float(precision @ x**2) / self.clock.alike
 
-    def presumed_apart(self, at: Columns) -> Array:
-        """Gram matrix of columns from the logs alone, without priors, (k, k)."""
-        G: Array = self.total[np.ix_(at, at)].copy()
-        G[np.arange(len(at)), np.arange(len(at))] -= self.precision[at]
-        return G
+    def covariance(self, at: Columns) -> Array:
+        """Covariance of coefficients fitted together without priors, (k, k); blocks of time are
+        independent, samples not."""
+        G = self.total[np.ix_(at, at)] - np.diag(self.precision[at])
+        scale = roots(G)
+        values, vectors = eigh(G / np.outer(scale, scale))
+        # directions of smaller eigenvalues are undetermined, and numbers that contain them
+        determined = values > 1e-8 * values[-1]
+        inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T
+        scores = self.products(at, np.zeros(0, dtype=np.int64))[1] / scale
+        blocks = len(scores)
+        spread = scores.T @ scores * blocks / max(1, blocks - len(at))
+        cov = (inverse @ spread @ inverse) / np.outer(scale, scale)
+        open_ones = np.sum(vectors[:, ~determined] ** 2, axis=1) > 1e-4
+        cov[open_ones, open_ones] = np.inf
+        return np.asarray(cov)
 
     def products(self, at: Columns, known: Columns) -> tuple[Array, Array]:
         """Gram matrices of columns by block, others projected out, and products with the residual.
