@@ -210,7 +210,8 @@ class Along:
 
     @cached_property
     def _believed(self) -> Array:
-        return Regressor(self.tree, self._trajectory({})).torque(self.dof)
+        """Torque of the bodies of the user's model over the whole grid, shape (n,)."""
+        return replace(self, state=Corrections.none(self.model)).torque
 
     def _trajectory(self, offset: dict[str, float]) -> Trajectory:
         n, model = len(self.original.signals), self.model

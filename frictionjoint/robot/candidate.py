@@ -53,7 +53,12 @@ class Candidate:
     @property
     def label(self) -> str:
         """Name of the candidate and place where it acts."""
-        return self.cause.label if self.cause else f"{self.effect} of {', '.join(self.joints)}"
+        return self.cause.label if self.cause else effect_label(self.effect, *self.joints)
+
+
+def effect_label(effect: str, *joints: str) -> str:
+    """Name of an effect and of the joints where it acts."""
+    return f"{effect} of {', '.join(joints)}"
 
 
 def columns_of(candidates: Iterable[Candidate]) -> Columns:

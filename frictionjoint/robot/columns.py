@@ -8,41 +8,39 @@ from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.diagnose.library import effects
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.basis import lengths, orthonormal
-from frictionjoint.robot.candidate import Candidate
+from frictionjoint.robot.candidate import effect_label
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, JointGram, joint_gram
 
 
-def own_effects(
-    joint: FittedJoint, clock: Clock, own: Callable[[str], bool]
-) -> list[tuple[Candidate, Array]]:
-    """Each of the joint's own effects that explains some of its residual, and its columns."""
-    named = {
-        e.name: Candidate(np.zeros(0, dtype=np.int64), (joint.name,), effect=e.name)
-        for e in CATALOGUE
-    }
-    wanted = {name for name, candidate in named.items() if own(candidate.label)}
+def own_effects(joint: FittedJoint, clock: Clock, own: Callable[[str], bool]) -> dict[str, Array]:
+    """Columns of each of the joint's own effects that explains some of its residual, by name.
+
+    Args:
+        own: whether an effect is wanted, by its label.
+    """
+    wanted = {e.name for e in CATALOGUE if own(effect_label(e.name, joint.name))}
     if not wanted:
-        return []
+        return {}
     law, e = law_columns(joint), joint.residual * joint.fit.weight
     base = orthonormal(law / lengths(law))
-    best: dict[str, tuple[float, Array]] = {}
-    found = effects(
+    # an effect that explains less than 2% of the joint's squares does not compete
+    most = dict.fromkeys(wanted, 0.02 * float(e @ e))
+    columns: dict[str, Array] = {}
+    for candidate in effects(
         joint.prepared,
         joint.fit,
         clock.blocks(joint),
         lambda effect: effect.name in wanted and not effect.delays,
-    )
-    for candidate in found:
-        term = candidate.term
+    ):
+        name = candidate.term.name
         x = candidate.columns * joint.fit.weight[:, None]
         x = x - base @ (base.T @ x)
         explained = float(e @ x @ np.linalg.lstsq(x, e, rcond=1e-6)[0])
-        # an effect that explains less than 2% of the joint's squares does not compete
-        if explained > max(best.get(term.name, (0.02 * float(e @ e),))[0], 0.0):
-            best[term.name] = (explained, candidate.columns)
-    return [(named[name], x) for name, (_, x) in best.items()]
+        if explained > most[name]:
+            most[name], columns[name] = explained, candidate.columns
+    return columns
 
 
 def law_columns(joint: FittedJoint) -> Array:

@@ -264,7 +264,7 @@ def _squares(
     n, grams = len(places), []
     for joint in joints:
         alike = common_columns(joint, joint.common_effects)
-        single = [x for _, x in own_effects(joint, blocks, own)]
+        single = own_effects(joint, blocks, own).values()
         columns = np.column_stack([joint.columns(pairs), *alike, *single])
         G = gram_of(joint, columns, np.arange(columns.shape[1]), blocks).grams.sum(axis=0)
         grams.append(_apart(G, n + sum(x.shape[1] for x in alike)))

@@ -34,9 +34,6 @@ class Parameter:
     name: str
     size: float
 
-    def __str__(self) -> str:
-        return f"{self.name} of {self.owner}"
-
 
 @dataclass(frozen=True)
 class Information:

@@ -100,33 +100,21 @@ class FittedJoint:
         rotor = self.name in self.alongs[0].state.armature
         nothing = frozenset({VelocityAge.name} if rotor else ())
         prepared = replace(self.prepared, nothing=nothing)
+        shape, terms = self.fit.shape, self.common_effects
         if anew:
-            prepared, found = with_times(
-                prepared, lambda own: fit(own, self.common_effects, _DAMPED), _OPEN_TIMES
-            )
-            prepared, found = reweighed(prepared, found)
-            prepared, found = reweighed(*settled(prepared, found))
+            prepared, found = with_times(prepared, lambda x: fit(x, terms, _DAMPED), _OPEN_TIMES)
+            prepared, found = reweighed(*settled(*reweighed(prepared, found)))
         else:
-            shape = self.fit.shape
             prepared, found = with_times(
-                prepared, lambda own: refit(own, self.common_effects, shape, ROUGH), _OPEN_TIMES
+                prepared, lambda x: refit(x, terms, shape, ROUGH), _OPEN_TIMES
             )
             prepared, found = reweighed(prepared, found, ROUGH)
-        levels, rms, left = found.levels, found.rms, found.drive_rms * found.gain
-        beyond = unreached(found)
-        if self.common_effects:
+        alone = found
+        if terms:
             timing = tuple(t for t in found.terms if isinstance(t, Timing))
-            found = refit(prepared, timing, found.shape, steps=1)
-        return replace(
-            self,
-            prepared=prepared,
-            fit=found,
-            levels=levels,
-            rms=rms,
-            left=left,
-            unreached=beyond,
-            shift=None,
-        )
+            alone = refit(prepared, timing, found.shape, steps=1)
+        own = _size_of(found)
+        return FittedJoint(self.alongs, prepared, alone, *own, common_effects=terms)
 
 
 def first_fit(
@@ -147,5 +135,9 @@ def first_fit(
     none = Corrections.none(body.model)
     alongs = tuple(Along(body, s, none) for s in prepared.segments)
     prepared, base = law_alone(prepared, _DAMPED, open_times=_OPEN_TIMES)
-    left = base.drive_rms * base.gain
-    return FittedJoint(alongs, prepared, base, base.levels, base.rms, left, unreached(base))
+    return FittedJoint(alongs, prepared, base, *_size_of(base))
+
+
+def _size_of(whole: Fit) -> tuple[tuple[float, float], float, float, Array]:
+    """`levels`, `rms`, `left` and `unreached` of a joint, by the fit with its common effects."""
+    return whole.levels, whole.rms, whole.drive_rms * whole.gain, unreached(whole)

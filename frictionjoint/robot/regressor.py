@@ -11,7 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.inertia import TEN, matrix, of_model
+from frictionjoint.robot.inertia import TEN, matrix
 from frictionjoint.robot.kinematics import Dof, Frame, Trajectory, Tree, cross, turned
 
 
@@ -48,14 +48,6 @@ class Regressor:
             self._motions[body] = _Motion(a, frame.within(frame.w), frame.within(frame.alpha))
         found = _component(self.dofs[dof], self.frames[body], self._motions[body])
         return np.ascontiguousarray(found.T)
-
-    def torque(self, dof: int) -> Array:
-        """Torque of all bodies of the model at a degree of freedom, shape (n,)."""
-        phi = of_model(self.tree.model)
-        found = np.zeros(len(self.trajectory))
-        for b in self.tree.beyond[dof]:
-            found += self.torque_of(b, dof, phi[b])
-        return found
 
     def torque_of(self, body: int, dof: int, phi: Array) -> Array:
         """Torque of one body with ten parameters at a degree of freedom before it, shape (n,)."""

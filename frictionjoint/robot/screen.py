@@ -80,10 +80,10 @@ def screen(
     for joint, like in zip(joints, shaped or joints, strict=True):
         at = [of_robot]
         parts = [joint.columns(list(itertools.chain(*pairs))), *common_columns(joint, common)]
-        for candidate, x in own_effects(like, clock, own):
+        for name, x in own_effects(like, clock, own).items():
             at.append(size + np.arange(x.shape[1]))
             parts.append(x)
-            effects.append(replace(candidate, at=at[-1], first=size))
+            effects.append(Candidate(at[-1], (joint.name,), effect=name, first=size))
             size += x.shape[1]
         columns = np.column_stack(parts)
         norm = np.linalg.norm(columns, axis=0)

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array, root_mean_square
@@ -55,25 +56,31 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
     unit = torque / np.abs(torque).max()
     elements = [_element(prepared, reach) for reach in _REACHES]
     sides = [np.tanh(unit / t) for t in _TURNS]
-    columns = [np.column_stack([known, side, -e]) for side in sides for e in elements]
-    models = [_Model(X, twist, ("torque", "gap", "lag")) for X in columns]
+    names = "velocity", "torque", "gap", "lag"
+    models = [
+        _Model(np.column_stack([known, side, -e]), twist, names) for side in sides for e in elements
+    ]
     best = _pruned(min(models, key=_cost))
     per, slope = ("N/m", "m") if prepared.slide else ("N m/rad", "rad")
+    delay, soft, gap, lag = (best.estimate(name) for name in names)
     return Torsion(
         ratio=1.0 / ratio,
         geared=geared,
         twist_rms=size,
         left_rms=root_mean_square(best.residual),
-        stiffness=_inverse(best.estimate("torque"), per),
-        backlash=_twice(best.estimate("gap"), slope),
-        hysteresis=_twice(best.estimate("lag"), slope),
-        link_position_older=_delay(best),
+        stiffness=soft and Estimate(1.0 / soft[0], soft[1] / soft[0] ** 2, per),
+        backlash=gap and Estimate(2.0 * gap[0], 2.0 * gap[1], slope),
+        hysteresis=lag and Estimate(2.0 * lag[0], 2.0 * lag[1], slope),
+        link_position_older=delay and Estimate(*delay, "s"),
     )
 
 
 @dataclass(frozen=True)
 class _Model:
-    """Columns of the twist with names; the last ones have nonnegative coefficients."""
+    """Columns of the twist, the last ones with names.
+
+    The coefficients of these are not negative, but for that of the first, the velocity.
+    """
 
     X: Array
     y: Array
@@ -81,31 +88,37 @@ class _Model:
 
     @property
     def residual(self) -> Array:
-        return np.asarray(self.y - self.X @ _solved(self.X, self.y, len(self.names)))
+        return np.asarray(self.y - self.X @ self.solved())
 
     def without(self, name: str) -> "_Model":
-        i = self.X.shape[1] - len(self.names) + self.names.index(name)
         names = tuple(n for n in self.names if n != name)
-        return _Model(np.delete(self.X, i, axis=1), self.y, names)
+        return _Model(np.delete(self.X, self._at(name), axis=1), self.y, names)
 
     def estimate(self, name: str) -> tuple[float, float] | None:
-        """Coefficient and standard error by a jackknife over stretches of time; None if there is
-        none."""
+        """Coefficient and standard error by a jackknife over stretches of time; None if the twist
+        has no such part."""
         if name not in self.names:
             return None
-        return self.at(self.X.shape[1] - len(self.names) + self.names.index(name))
-
-    def at(self, i: int) -> tuple[float, float] | None:
-        """Value and standard error of the coefficient of a column, given by its index."""
-        blocks, count = 20, len(self.names)
+        i, blocks = self._at(name), 20
         block = np.arange(len(self.y)) * blocks // len(self.y)
-        left_out = np.array(
-            [_solved(self.X[block != b], self.y[block != b], count)[i] for b in range(blocks)]
-        )
+        left_out = np.array([self.solved(block != b)[i] for b in range(blocks)])
         error = float(np.sqrt((blocks - 1) * np.mean((left_out - left_out.mean()) ** 2)))
-        value = float(_solved(self.X, self.y, count)[i])
+        value = float(self.solved()[i])
         # from four standard errors on a part of the twist is there
         return (value, error) if abs(value) > 4.0 * error else None
+
+    def solved(self, part: NDArray[np.bool_] | slice = slice(None)) -> Array:
+        """Least-squares coefficients from a part of the samples, shape (k,)."""
+        X = self.X[part]
+        size, low = lengths(X), np.full(X.shape[1], -np.inf)
+        low[len(low) - len(self.names) + 1 :] = 0.0
+        bounds = low, np.full(X.shape[1], np.inf)
+        found = lsq_linear(X / size, self.y[part], bounds, method="bvls")
+        return np.asarray(found.x / size)
+
+    def _at(self, name: str) -> int:
+        """Index of a column."""
+        return len(self.X.T) - len(self.names) + self.names.index(name)
 
 
 def _gears(logs: Sequence[JointLog]) -> tuple[float, dict[str, float]]:
@@ -170,29 +183,3 @@ def _pruned(model: _Model) -> _Model:
 
 def _cost(model: _Model) -> float:
     return float(np.sum(model.residual**2))
-
-
-def _solved(X: Array, y: Array, positive: int) -> Array:
-    """Least squares with the last coefficients not negative."""
-    size = lengths(X)
-    low = np.full(X.shape[1], -np.inf)
-    low[X.shape[1] - positive :] = 0.0
-    found = lsq_linear(X / size, y, (low, np.full(X.shape[1], np.inf)), method="bvls")
-    return np.asarray(found.x / size)
-
-
-def _delay(model: _Model) -> Estimate | None:
-    """Coefficient of the velocity, the column before the torque."""
-    found = model.at(model.X.shape[1] - len(model.names) - 1)
-    return None if found is None else Estimate(*found, "s")
-
-
-def _inverse(found: tuple[float, float] | None, unit: str) -> Estimate | None:
-    if found is None:
-        return None
-    value, error = found
-    return Estimate(1.0 / value, error / value**2, unit)
-
-
-def _twice(found: tuple[float, float] | None, unit: str) -> Estimate | None:
-    return None if found is None else Estimate(2.0 * found[0], 2.0 * found[1], unit)
