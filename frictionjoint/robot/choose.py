@@ -24,12 +24,12 @@ from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import (
     as_much,
     better,
-    enough,
     gain_of,
     harms,
     joint_gain,
     left_of,
     nearer,
+    needed,
 )
 from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
@@ -60,13 +60,13 @@ class Choice:
         return self.evidence.held_out_gain > _BENT
 
     @property
-    def start(self) -> Array:
-        """All numbers of the cause, including those that stay on their bounds and are no columns,
-        shape (k,)."""
+    def parts(self) -> list[tuple[Cause, Array]]:
+        """The causes of which its cause consists, each of one body or joint, with all their
+        numbers, including those that stay on their bounds and are no columns."""
         assert self.candidate.cause is not None
         x = self.candidate.cause.start.copy()
         x[self.candidate.at - self.candidate.first] = self.numbers
-        return x
+        return self.candidate.cause.parts(x)
 
     def of(self, cause: Cause) -> "Choice":
         """The choice for a part of its cause."""
@@ -127,19 +127,13 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
         for i, choice in enumerate(kept):
             if not choice.candidate.shared:
                 without = left(kept[:i] + kept[i + 1 :])
-                if not _needed(screened.stack, without, now):
+                if not needed(screened.stack, without, now):
                     idle_ones.append((joint_gain(without, now), i))
         if not idle_ones:
             break
         del kept[min(idle_ones)[1]]
     numbers = screened.numbers([c.candidate for c in kept])
     return [replace(c, numbers=x) for c, x in zip(kept, numbers, strict=True)]
-
-
-def _needed(stack: Stack, without: Array, now: Array) -> bool:
-    """Whether the sums of squares are larger without a candidate, by more than chance and the
-    laws' own errors."""
-    return enough(stack, without, now) and better(now, without)
 
 
 def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Array]]:
@@ -156,7 +150,7 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
     now, found = _left_by_robot(screened), []
     for i, rest in enumerate(without):
         left = _left_by_robot(rest)
-        if not _needed(screened.stack, left, now):
+        if not needed(screened.stack, left, now):
             found.append((joint_gain(left, now), i, left_of(now, left)))
     found.sort(key=lambda one: one[:2])
     return [(i, ratios) for _, i, ratios in found]
@@ -258,9 +252,7 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:
-    return (
-        row.p_value <= SIGNIFICANCE and _needed(stack, now, row.left) and not harms(row.left, now)
-    )
+    return row.p_value <= SIGNIFICANCE and needed(stack, now, row.left) and not harms(row.left, now)
 
 
 def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, deviation: float) -> bool:

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
@@ -15,7 +14,6 @@ from frictionjoint.diagnose.trace import INTEGRATED_LAW
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.earlier_friction import before_friction, said_of
-from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rival_shape import forms_of
@@ -34,17 +32,10 @@ from frictionjoint.report.robot_report import (
     notes_of,
 )
 from frictionjoint.robot.causes.cause import composed
-from frictionjoint.robot.corrections import Corrections, write_corrections
+from frictionjoint.robot.corrections import write_corrections
 from frictionjoint.robot.exchanged import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
-from frictionjoint.robot.explain import (
-    Corrected,
-    Explained,
-    Fitted,
-    State,
-    Task,
-    explain_joint,
-)
+from frictionjoint.robot.explain import Corrected, Explained, Fitted, State, Task, explain_joint
 from frictionjoint.robot.found import Found
 from frictionjoint.robot.information import information
 from frictionjoint.robot.joint import FittedJoint, first_fit
@@ -148,7 +139,10 @@ def close_loop_robot(
     excitation = next_trajectory(settled, logs.moving, known, how.seed)
     how.progress("simulating all joints together")
     poses = next(iter(fitted.values())).alongs[0].body.named_poses
-    spec = _with_friction(corrected, {n: x.simulated for n, x in done.items()})
+    spec = read_spec(corrected.mjcf)
+    for joint, one in done.items():
+        if not one.simulated.in_drive_units:
+            friction_spec(spec, joint, one.simulated)
     spec.compile()
     reports = {n: x.report for n, x in done.items()}
     simulated = {n: replace(x.after, fit=x.simulated) for n, x in done.items()}
@@ -195,10 +189,9 @@ def _state(model: str | Path, found: Found) -> State:
     """The user's model with causes added."""
     if not found.causes:
         return State(model)
-    state: Corrections = found.state
     spec = read_spec(model)
-    write_corrections(spec, state)
-    return State(model_text(spec, model), state.shafts)
+    write_corrections(spec, found.state)
+    return State(model_text(spec, model), found.state.shafts)
 
 
 def _side_by_side(
@@ -214,15 +207,6 @@ def _side_by_side(
         progress(f"joint {i + 1} of {len(names)}: {name}")
         found[name] = next(explained)
     return found
-
-
-def _with_friction(state: State, fits: Mapping[str, Fit]) -> mujoco.MjSpec:
-    """A model with the friction of all joints with known torque scale."""
-    spec = read_spec(state.mjcf)
-    for joint, fitted in fits.items():
-        if not fitted.in_drive_units:
-            friction_spec(spec, joint, fitted)
-    return spec
 
 
 def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list[float]]) -> Rms:

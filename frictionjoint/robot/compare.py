@@ -10,11 +10,10 @@ from frictionjoint.decisions import CLEARLY, LEAST_MOVED, SIGNIFICANCE, SMALLEST
 from frictionjoint.robot.stack import Stack
 
 
-def enough(stack: Stack, before: Array, after: Array) -> bool:
-    """Whether the reduction is larger than the laws' own errors could produce."""
-    return (
-        joint_gain(before, after) >= SMALLEST_GAIN and _moved(stack, before, after) >= LEAST_MOVED
-    )
+def needed(stack: Stack, before: Array, after: Array) -> bool:
+    """Whether the reduction is larger than chance and the laws' own errors could produce."""
+    large = joint_gain(before, after) >= SMALLEST_GAIN
+    return large and _moved(stack, before, after) >= LEAST_MOVED and better(after, before)
 
 
 def harms(after: Array, before: Array) -> bool:

@@ -8,9 +8,10 @@ small one.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
+from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array, Index
 from frictionjoint.eigenvalues import eigh
@@ -61,24 +62,19 @@ def descended(
 
     bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in found.causes]).T
     starts = _starts(found, left, bounds, places, factor, pull)
-    tried = [_least(left, start, bounds, slopes) for start in starts]
-    return replace(found, numbers=tuple(np.split(_best(tried), ends)))
+    least = _least(left, slopes, starts, bounds)
+    return replace(found, numbers=tuple(np.split(least, ends)))
 
 
 def _least(
-    left: Callable[[Array], Array], start: Array, bounds: Array, slopes: Callable[[Array], Array]
-) -> OptimizeResult:
-    return least_squares(
-        left,
-        np.clip(start, *bounds),
-        jac=slopes,
-        bounds=tuple(bounds),
-        x_scale="jac",
-        max_nfev=60,
-    )
-
-
-def _best(tried: Sequence[OptimizeResult]) -> Array:
+    left: Callable[[Array], Array],
+    slopes: Callable[[Array], Array],
+    starts: Sequence[Array],
+    bounds: Array,
+) -> Array:
+    """The numbers with the smallest residual, from several starts."""
+    how: dict[str, Any] = {"bounds": tuple(bounds), "x_scale": "jac", "max_nfev": 60}
+    tried = [least_squares(left, np.clip(x, *bounds), slopes, **how) for x in starts]
     return np.asarray(min(tried, key=lambda one: float(one.cost)).x)
 
 
@@ -113,29 +109,27 @@ def _starts(
             at = slice(int(ends[i]), int(ends[i + 1]))
             before = composed(found.causes[:i], parts[:i], found.original)
             own = np.eye(len(start))[:, at] * pull[at]
-            ways = _Ways(cause, before, parts[i], here, places, factor, own)
-            first = np.linalg.lstsq(ways.slopes(np.zeros(len(x))), -here, rcond=_FLAT)[0]
+            ways = _Ways(cause, before, here, places, factor, own)
+            first = np.linalg.lstsq(ways.slopes(x), -here, rcond=_FLAT)[0]
             rays = cause.rays(np.asarray(first))
-            tried = [_least(ways.left, ray, bounds[:, at], ways.slopes) for ray in rays]
-            if tried:
+            if rays:
                 further = start.copy()
-                further[at] += _best(tried)
+                further[at] += _least(ways.left, ways.slopes, rays, bounds[:, at])
                 starts.append(further)
     return starts
 
 
 @dataclass(frozen=True)
 class _Ways:
-    """Change of the numbers of one cause, with all others as they are.
+    """Numbers of one cause, with all others as they are.
 
     Attributes:
-        before: corrections by the causes before it. start, here: its numbers, and the residual with
-            them. own: derivative of the residual by its numbers next to that through `places`.
+        before: corrections by the causes before it. here: the residual without it.
+        own: derivative of the residual by its numbers next to that through `places`.
     """
 
     cause: Cause
     before: Corrections
-    start: Array
     here: Array
     places: "_Places"
     factor: Array
@@ -143,13 +137,15 @@ class _Ways:
 
     def left(self, y: Array) -> Array:
         """Residual."""
-        ends = [_read(self.cause.applied(self.before, self.start + x), self.places) for x in (0, y)]
-        moved = self.factor @ (ends[1] - ends[0])
+        nothing, some = (
+            _read(self.cause.applied(self.before, x), self.places) for x in (np.zeros(len(y)), y)
+        )
+        moved = self.factor @ (some - nothing)
         return np.asarray(self.here + np.concatenate([moved, self.own @ y]))
 
     def slopes(self, y: Array) -> Array:
         """Its derivative."""
-        moves = _moves(self.before, (self.cause,), (self.start + y,), self.places)
+        moves = _moves(self.before, (self.cause,), (y,), self.places)
         return np.concatenate([self.factor @ moves, self.own])
 
 

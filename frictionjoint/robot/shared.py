@@ -16,7 +16,6 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause
-from frictionjoint.robot.causes.together import parts_of
 from frictionjoint.robot.choose import Choice, choose, idle
 from frictionjoint.robot.common import Common, common_terms
 from frictionjoint.robot.compare import nearer
@@ -114,8 +113,7 @@ def shared_causes(
         terms = tuple(one.term for one, _ in common)
         if terms != now.joints[0].common_effects:
             # what all joints have alike has bent their laws
-            now = fits.settled(fits.with_common(now, terms), here, now.choices)
-            now = fits.without_idle(now)
+            now = fits.without_idle(fits.settled(fits.with_common(now, terms)))
             continue
         if whole and not common:
             # no single link is wrong by so much; perhaps each is by a little
@@ -125,7 +123,7 @@ def shared_causes(
         if not here.causes or labels in tried:
             break
         # numbers that were fitted before effects of single joints were seen hold a part of them
-        now = fits.settled(now, here, now.choices)
+        now = fits.settled(now)
     choices = restated(now.settled, now.choices, open_ones, labels)
     return Shared(now.settled.with_covariance(labels), choices, common)
 
@@ -157,6 +155,15 @@ class _Now:
     def joints(self) -> tuple[FittedJoint, ...]:
         return self.settled.joints
 
+    def with_causes(self, found: Found, choices: tuple[Choice, ...]) -> "_Now":
+        """The state with other causes and their evidence, not fitted yet."""
+        return replace(self, settled=replace(self.settled, found=found), choices=choices)
+
+    def without(self, *out: int) -> "_Now":
+        """The state without some causes, by index, not fitted yet."""
+        choices = tuple(c for i, c in enumerate(self.choices) if i not in out)
+        return self.with_causes(self.settled.found.without(*out), choices)
+
 
 @dataclass(frozen=True)
 class _Fits:
@@ -165,11 +172,10 @@ class _Fits:
     each: Each[FittedJoint, FittedJoint]
     single_effects: frozenset[str] = frozenset()
 
-    def settled(self, now: _Now, found: Found, choices: tuple[Choice, ...]) -> _Now:
-        """The state with other causes, or with other effects of single joints."""
-        return _Now(
-            settle(now.joints, found, self.each, self.single_effects), choices, self.single_effects
-        )
+    def settled(self, now: _Now) -> _Now:
+        """The state with its causes and laws fitted together."""
+        fitted = settle(now.joints, now.settled.found, self.each, self.single_effects)
+        return _Now(fitted, now.choices, self.single_effects)
 
     def with_common(self, now: _Now, terms: tuple[EffectTerm, ...]) -> _Now:
         """The state with the laws fitted together with common effects."""
@@ -183,8 +189,7 @@ class _Fits:
         """
         for several in [new, new[:1]][: len(new)]:
             trial = self.without_idle(self._with(now, several))
-            causes = [c.candidate.cause for c in several if c.candidate.cause]
-            parts = {part for c in causes for part, _ in parts_of(c, c.start)}
+            parts = {part for choice in several for part, _ in choice.parts}
             if parts.intersection(trial.settled.found.causes) and self._nearer(trial, now):
                 return trial
         return None
@@ -194,28 +199,21 @@ class _Fits:
         terms = tuple(c.candidate.common for c in new if c.candidate.common)
         if terms:
             now = self.with_common(now, terms)
-        found, choices = now.settled.found, now.choices
-        for choice in new:
-            cause = choice.candidate.cause
-            if cause is None:
-                continue
-            for part, own in parts_of(cause, choice.start):
-                at = [i for i, c in enumerate(found.causes) if c.changed == part.changed]
-                for i in reversed(at):
-                    found, choices = found.without(i), choices[:i] + choices[i + 1 :]
-                found, choices = found.with_cause(part, own), (*choices, choice.of(part))
-        return self.settled(now, found, choices)
+        for choice in (c for c in new if c.candidate.cause):
+            for part, own in choice.parts:
+                causes = now.settled.found.causes
+                now = now.without(*(i for i, c in enumerate(causes) if c.changed == part.changed))
+                found = now.settled.found.with_cause(part, own)
+                now = now.with_causes(found, (*now.choices, choice.of(part)))
+        return self.settled(now)
 
     def simplified(
         self, now: _Now, causes: Sequence[Cause], common: Sequence[EffectTerm]
     ) -> tuple[_Now, bool]:
         """A cause replaced by one with fewer numbers that explains as much, and whether it was."""
-        found = now.settled.found
         proposed = simpler(now.settled, now.choices, causes, common, self.single_effects)
         for out, several in proposed:
-            choices = tuple(c for i, c in enumerate(now.choices) if i not in out)
-            rest = _Now(replace(now.settled, found=found.without(*out)), choices)
-            trial = self._with(rest, several)
+            trial = self._with(now.without(*out), several)
             # fewer numbers leave a joint a little more of the data they are fitted to
             if not self._explains_as_much(trial, now):
                 continue
@@ -263,8 +261,7 @@ class _Fits:
             for i in range(len(found.causes))
         ]
         for i, promised in idle(seen, others):
-            choices = now.choices[:i] + now.choices[i + 1 :]
-            trial = self.settled(now, found.without(i), choices)
+            trial = self.settled(now.without(i))
             most = (1.0 + CLEARLY) * max(1.0, float(promised.mean()))
             if not _deviates_more(trial, now) and float(self._left(trial, now).mean()) <= most:
                 return trial

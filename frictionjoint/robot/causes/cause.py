@@ -73,6 +73,10 @@ class Cause(ABC):
         """For a homogeneous cause: directions to search along, from its first-order numbers."""
         return [x]
 
+    def parts(self, x: Array) -> list[tuple["Cause", Array]]:
+        """The causes of which it consists, each of one body or joint, with their numbers."""
+        return [(self, x)]
+
     @abstractmethod
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """Corrections with this cause added."""

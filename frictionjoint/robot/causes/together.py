@@ -1,13 +1,12 @@
 """All causes of one kind at once: small errors of all links, or rotors that no joint has."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.robot.causes.cause import Cause, composed
+from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.corrections import Corrections
 
 
@@ -25,7 +24,7 @@ class Together(Cause):
     @property
     def place(self) -> dict[str, str]:
         """The places of all members."""
-        return {self.where: ", ".join(place_of(x) for x in self.members)}
+        return {self.where: ", ".join(_place_of(x) for x in self.members)}
 
     @property
     def steps(self) -> Array:
@@ -42,20 +41,23 @@ class Together(Cause):
         """Those of the members, one after the other."""
         return np.concatenate([x.prior for x in self.members])
 
-    def parts(self, x: Array) -> tuple[Array, ...]:
-        """Numbers of each member."""
-        return tuple(np.split(x, np.cumsum([len(c.start) for c in self.members])[:-1]))
+    def parts(self, x: Array) -> list[tuple[Cause, Array]]:
+        """The members with their numbers."""
+        ends = np.cumsum([len(c.start) for c in self.members])[:-1]
+        return list(zip(self.members, np.split(x, ends), strict=True))
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """Corrections with all members added."""
-        return composed(self.members, self.parts(x), state)
+        for member, own in self.parts(x):
+            state = member.applied(state, own)
+        return state
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """Values of all members, each name after the member's place."""
         found = {}
-        for member, own in zip(self.members, self.parts(x), strict=True):
+        for member, own in self.parts(x):
             for name, value in member.values(state, own).items():
-                found[f"{place_of(member)}.{name}"] = value
+                found[f"{_place_of(member)}.{name}"] = value
         return found
 
 
@@ -73,14 +75,6 @@ class Rotors(Together):
     where: ClassVar[str] = "joints"
 
 
-def place_of(cause: Cause) -> str:
+def _place_of(cause: Cause) -> str:
     """The body or the joint of a cause."""
     return next(iter(cause.place.values()))
-
-
-def parts_of(cause: Cause, x: Array) -> Iterator[tuple[Cause, Array]]:
-    """The causes that a joint cause consists of, each of one body or joint, with their numbers."""
-    if isinstance(cause, Together):
-        yield from zip(cause.members, cause.parts(x), strict=True)
-    else:
-        yield cause, x
