@@ -209,14 +209,8 @@ def _row(
 
 def _cell(numbers: Mapping[str, Any], symbol: str) -> str:
     """A friction number; both directions if they differ."""
-    if symbol in numbers:
-        return str(numbers[symbol].qualified)
-    sides = [
-        numbers[f"{symbol}_{side}"].qualified
-        for side in ("pos", "neg")
-        if f"{symbol}_{side}" in numbers
-    ]
-    return " / ".join(sides) or _NONE
+    names = (symbol,) if symbol in numbers else (f"{symbol}_pos", f"{symbol}_neg")
+    return " / ".join(numbers[name].qualified for name in names if name in numbers) or _NONE
 
 
 def _change(texts: Mapping[Stage, str], s: Summary) -> str:
@@ -267,10 +261,6 @@ def _torsion(name: str, x: Content) -> TorsionRow:
 
     return TorsionRow(
         ", ".join([name, *geared]),
-        text("stiffness"),
-        text("backlash"),
-        text("hysteresis"),
-        text("link_position_older"),
-        three(x["twist_rms"]),
-        three(x["left_rms"]),
+        *map(text, ("stiffness", "backlash", "hysteresis", "link_position_older")),
+        *(three(x[key]) for key in ("twist_rms", "left_rms")),
     )
