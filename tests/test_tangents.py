@@ -17,6 +17,7 @@ TYPICAL = {
     "log Vs": np.log(0.2),
     "delta": 1.3,
     "log length": np.log(3e-3),
+    "log end": np.log(0.0125),
     "log bend 1": np.log(0.4),
     "log bend 2": np.log(0.6),
     "log V0 over Vs": np.log(0.05),

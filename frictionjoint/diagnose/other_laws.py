@@ -231,10 +231,10 @@ def _differences(prepared: Prepared, fitted: Fit, other: Fit) -> dict[str, float
             difference = others[name] - own[name]
             beyond = difference**2 - variance[name]
             found[name] = math.copysign(math.sqrt(beyond), difference) if beyond > 0.0 else 0.0
-    if "law.excess" in found and "law.log length" in own:
+    if "law.excess" in found:
         # to first order, as a covariance is
         higher = found["Fc"] / own["Fc"] + found["law.excess"] / (1.0 + own["law.excess"])
-        found["law.log length"] = higher
+        found |= dict.fromkeys(own.keys() & {"law.log length", "law.log end"}, higher)
     return found
 
 

@@ -93,8 +93,8 @@ def unit_block(shape: Shape) -> Array:
     return shape.parameters(1.0, 0.0).pack()
 
 
-_LENGTH = "log length"
-_BOTH = ("excess", "log Vs", "delta", _LENGTH, "log bend 1", "log bend 2")
+_END = "log end"
+_BOTH = ("excess", "log Vs", "delta", _END, "log bend 1", "log bend 2")
 OF_NEGATIVE = " of negative motion"
 _NEGATIVE = ("excess" + OF_NEGATIVE, "log Vs" + OF_NEGATIVE)
 
@@ -145,7 +145,8 @@ class IntegratedShape:
         excess: Fs / Fc - 1, >= 0.
         Vs: Stribeck velocity, rad/s.
         delta: Stribeck exponent.
-        length: z of the first knot, rad; the presliding stiffness is Fs / length.
+        length: z of the first knot, rad; the presliding stiffness is Fs / length. Searched is the
+            end of the curve, which bends do not move: a joint reaches it in any log that slides.
         bend: slope of the second segment over the first, and of the third over the second, each
             in (0, 1]; (1, 1) is a straight transition curve.
         form: what a search cannot vary smoothly.
@@ -171,14 +172,15 @@ class IntegratedShape:
     def variables(self) -> tuple[str, ...]:
         """Numbers of both directions, then those of the negative one, without what is assumed."""
         names = _BOTH if self.negative is None else (*_BOTH, *_NEGATIVE)
-        assumed = {_LENGTH: self.stiffness_assumed, _BOTH[0]: self.breakaway_assumed}
+        assumed = {_END: self.stiffness_assumed, _BOTH[0]: self.breakaway_assumed}
         assumed[_NEGATIVE[0]] = self.breakaway_assumed
         return tuple(name for name in names if not assumed.get(name))
 
     def _values(self) -> dict[str, float]:
         """All numbers by name, searched or not."""
         negative = self.negative or (self.excess, self.Vs)
-        logs = np.log([self.Vs, self.length, *self.bend, negative[1]]).tolist()
+        end = self.length * sum(_parts(self.bend))
+        logs = np.log([self.Vs, end, *self.bend, negative[1]]).tolist()
         numbers = (self.excess, logs[0], self.delta, *logs[1:4], negative[0], logs[4])
         return dict(zip((*_BOTH, *_NEGATIVE), numbers, strict=True))
 
@@ -191,22 +193,27 @@ class IntegratedShape:
         """The same shape with other numbers, in the order of `variables`."""
         values = self._values() | dict(zip(self.variables, x.tolist(), strict=True))
         excess, log_Vs, delta, *logs, excess_negative, log_Vs_negative = values.values()
-        length, *bend = np.exp(logs).tolist()
+        end, first, second = np.exp(logs).tolist()
+        length = end / sum(_parts((first, second)))
         return replace(
             self,
             excess=excess,
             Vs=float(np.exp(log_Vs)),
             delta=delta,
-            length=length,
-            bend=(bend[0], bend[1]),
+            length=self.length if self.stiffness_assumed else length,
+            bend=(first, second),
             negative=self.negative and (excess_negative, float(np.exp(log_Vs_negative))),
         )
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
-        """Bounds of Stribeck curve, presliding length and bends, in the order of `variables`."""
+        """Bounds of Stribeck curve, end of the transition curve and bends, in the order of
+        `variables`."""
         low, high = level_bounds(vmax)
         bend = (float(np.log(0.02)), 0.0)
-        each = [*zip(low, high, strict=True), length_bounds(span), bend, bend]
+        least, most = length_bounds(span)
+        # after a reversal the curve has twice its length
+        end = (least, most + float(np.log(2.0)))
+        each = [*zip(low, high, strict=True), end, bend, bend]
         by_name = dict(zip((*_BOTH, *_NEGATIVE), [*each, *each[:2]], strict=True))
         least, most = zip(*(by_name[name] for name in self.variables), strict=True)
         return np.array(least), np.array(most)
@@ -334,13 +341,22 @@ class IntegratedShape:
         if self.negative is None:
             for name, of_negative in zip(_BOTH, _NEGATIVE, strict=False):
                 rows[name] += rows[of_negative]
-        rows[_LENGTH][own] = np.column_stack([z, 0.0 * F, -K]).ravel()
-        # a bend stretches what lies beyond its knot
+        rows[_END][own] = np.column_stack([z, 0.0 * F, -K]).ravel()
+        # a bend stretches what lies beyond its knot, and with the end where it is shortens all
+        parts = _parts(self.bend)
         for i, name in enumerate(_BOTH[4:]):
             beyond = np.maximum(z - z[i], 0.0)
             steeper = np.where(beyond > 0.0, K, 0.0)
             rows[name][own] = np.column_stack([-beyond, 0.0 * F, steeper]).ravel()
+            if not self.stiffness_assumed:
+                rows[name] += sum(parts[i + 1 :]) / sum(parts) * rows[_END]
         return np.array([rows[name] for name in self.variables])
+
+
+def _parts(bend: tuple[float, float]) -> tuple[float, float, float]:
+    """Lengths of the segments of a transition curve over that of its first."""
+    (first, second), (a, b, c) = bend, _TORQUES
+    return 1.0, (b - a) / a / first, (c - b) / a / (first * second)
 
 
 def _speed(time: Array, q: Array, edges: Index | None) -> Array:
