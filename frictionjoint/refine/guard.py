@@ -219,8 +219,12 @@ def _by_log(x: NDArray[Any], courses: Sequence[Course]) -> list[NDArray[Any]]:
 
 
 def clearly_less(after: Array, before: Array) -> bool:
-    """Whether errors of logs are smaller by more than a paired standard error of their mean."""
-    gained = before - after
+    """Whether errors of logs are smaller by more than a paired standard error of their mean.
+
+    Their ratios count: where a model does not hold, as beyond a limit of the drive that the other
+    logs do not reach, errors are large and say nothing about the motion in which it does.
+    """
+    gained = np.log(before / after)
     return bool(gained.sum() > np.std(gained) * np.sqrt(len(gained)))
 
 
