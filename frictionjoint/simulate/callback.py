@@ -11,7 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from frictionjoint.simulate import native
+from frictionjoint.simulate import motor_demand, native
 from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, data_structure
 from frictionjoint.simulate.resolve_when_stepped import make_ready
 from frictionjoint.simulate.userdata_room import lacks_room, warn_of_no_room
@@ -68,8 +68,16 @@ _IN_PYTHON: dict[str, Any] = {
     **dict.fromkeys(("mj_markStack", "mj_freeStack"), _nothing),
 }
 
-_NATIVE: Any = native.native
-python_callback: Callable[[mujoco.MjModel, mujoco.MjData], None] = types.FunctionType(
-    _NATIVE.py_func.__code__, {**vars(native), **_IN_PYTHON}, "python_callback"
+
+def _in_python(kernel: Any, name: str, **more: Any) -> Any:
+    """A kernel of addresses as a function of MuJoCo's own objects."""
+    code, names = kernel.py_func.__code__, kernel.py_func.__globals__
+    return types.FunctionType(code, {**names, **_IN_PYTHON, **more}, name)
+
+
+python_callback: Callable[[mujoco.MjModel, mujoco.MjData], None] = _in_python(
+    native.native,
+    "python_callback",
+    commanded_torque=_in_python(motor_demand.commanded_torque, "commanded_torque"),
 )
 """The callback in Python: slower than in C, but every line can be stepped through."""

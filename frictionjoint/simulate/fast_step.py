@@ -39,18 +39,15 @@ from frictionjoint.simulate.row import (
     ASTRAY,
     FRONT,
     GAIN,
-    GAIN_COMMITTED,
     LEAP,
-    Q_COMMITTED,
     Q_EVALUATED,
     STARTED,
     T_COMMITTED,
     T_EVALUATED,
     TORQUE,
-    TORQUE_COMMITTED,
-    V_COMMITTED,
     V_EVALUATED,
     commit_effects,
+    commit_point,
     rare_torque,
     shared_out,
 )
@@ -144,21 +141,9 @@ def usual_torque(
     # The step is a usual one. The row is written only from here on.
     if later:
         commit_effects(P, p, effects, X, x)
-        X[x + T_COMMITTED] = evaluated
-        X[x + Q_COMMITTED] = at
-        X[x + V_COMMITTED] = was
-        X[x + TORQUE_COMMITTED] = constant
-        X[x + GAIN_COMMITTED] = gain
-        c = x + FRONT
-        X[c + FH] = Fh
-        X[c + FB] = Fb
-        X[c + DIRECTION] = turned
-        X[c + N_MIN] = n_min
-        X[c + N_MAX] = n_max
-        X[c + VIRGIN] = virgin
-        X[c + RATE] = rate
-        X[c + FORGOTTEN] = X[a + FORGOTTEN]
-        X[c + BOUND] = X[a + BOUND]
+        commit_point(X, x)
+        for i in range(HEADER):
+            X[x + FRONT + i] = X[a + i]
     e = x + FRONT + HEADER
     X[x + T_EVALUATED] = t
     X[x + Q_EVALUATED] = place

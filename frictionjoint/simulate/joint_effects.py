@@ -26,7 +26,6 @@ from frictionjoint.effects.signals import (
 )
 from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.simulate.block import EFFECTS, HEAD, ROW
 from frictionjoint.simulate.row import (
     FRONT,
     GAIN_COMMITTED,
@@ -132,23 +131,16 @@ def coupled_load(
 
 @compiled
 def unit_gravity(
-    ax: float,
-    ay: float,
-    az: float,
-    wx: float,
-    wy: float,
-    wz: float,
-    gx: float,
-    gy: float,
-    gz: float,
-    R: Vector,
-    r: int,
+    axes: Vector, world: Vector, at: int, gravity: Vector, R: Vector, r: int
 ) -> tuple[float, float]:
     """Torque to hold 1 kg at 1 m along each of the body's two axes across the joint.
 
-    (ax, ay, az) the joint's axis in the body, (wx, wy, wz) in the world, (gx, gy, gz) gravity,
-    R[r:r+9] the body's rotation. The two axes are those of ``identify.rigid_body``.
+    axes[at:at+3] the joint's axis in the body, world[at:at+3] in the world, R[r:r+9] the body's
+    rotation. The two axes are those of ``identify.rigid_body``.
     """
+    ax, ay, az = axes[at], axes[at + 1], axes[at + 2]
+    wx, wy, wz = world[at], world[at + 1], world[at + 2]
+    gx, gy, gz = gravity[0], gravity[1], gravity[2]
     # helper: the coordinate axis the joint's axis leans on least
     hx = hy = hz = 0.0
     if abs(ax) <= abs(ay) and abs(ax) <= abs(az):
@@ -166,42 +158,3 @@ def unit_gravity(
     by = tx * R[r + 1] + ty * R[r + 4] + tz * R[r + 7]
     bz = tx * R[r + 2] + ty * R[r + 5] + tz * R[r + 8]
     return (-(bx * e1x + by * e1y + bz * e1z), -(bx * e2x + by * e2y + bz * e2z))
-
-
-@compiled
-def joint_effects(
-    P: Vector,
-    block: int,
-    X: Vector,
-    t: float,
-    q: float,
-    v: float,
-    bias: float,
-    inertia: float,
-    armature: float,
-    joint: int,
-    axis: Vector,
-    world: Vector,
-    gravity: Vector,
-    R: Vector,
-    body: int,
-    asked: float,
-) -> float:
-    """`effects_torque` of a joint's block, from MuJoCo's own arrays of axes and rotations."""
-    gx, gy = unit_gravity(
-        axis[3 * joint],
-        axis[3 * joint + 1],
-        axis[3 * joint + 2],
-        world[3 * joint],
-        world[3 * joint + 1],
-        world[3 * joint + 2],
-        gravity[0],
-        gravity[1],
-        gravity[2],
-        R,
-        9 * body,
-    )
-    effects, x = block + int(P[block + EFFECTS]), int(P[block + ROW])
-    return effects_torque(
-        P, block + HEAD, effects, X, x, t, q, v, bias, inertia, armature, gx, gy, asked
-    )

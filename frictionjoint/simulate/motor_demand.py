@@ -4,8 +4,6 @@ MuJoCo computes actuator forces after the passive ones, so the callback reads ``
 supports actuators with a gain and an affine bias, without dynamics and without a force limit.
 """
 
-from typing import Any
-
 import mujoco
 import numpy as np
 
@@ -14,7 +12,17 @@ from frictionjoint.compiled import compiled
 from frictionjoint.effects import motor_saturation, motor_temperature
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.model_view import ModelView, names_of
-from frictionjoint.simulate.pointers import Flags, Shorts
+from frictionjoint.simulate.pointers import (
+    AT,
+    DATA,
+    MODEL,
+    Address,
+    flags,
+    reals,
+    shorts,
+    shorts_in,
+    wholes_in,
+)
 
 _IDS = tuple(
     float(effect.effect_id) for effect in (motor_saturation.EFFECT, motor_temperature.EFFECT)
@@ -41,38 +49,23 @@ def gives_less(P: Vector, effects: int) -> bool:
 
 
 @compiled
-def commanded_torque(
-    joint: int,
-    q: float,
-    v: float,
-    actuators: int,
-    apart: bool,
-    first: Shorts,
-    count: Shorts,
-    outputs: Shorts,
-    flags: int,
-    off: int,
-    kinds: Shorts,
-    targets: Shorts,
-    groups: Shorts,
-    gears: Vector,
-    gains: Vector,
-    biases: Vector,
-    limited: Flags,
-    ranges: Vector,
-    ctrl: Vector,
-) -> float:
-    """Commanded torque of the actuators on a joint, N m, from MuJoCo's own arrays.
-
-    Args:
-        apart: whether an actuator's controls and outputs are where the three arrays after it say,
-            not in the place of its own number.
-        flags: ``opt.disableflags``; off: ``opt.disableactuator``, one bit per group.
-    """
+def commanded_torque(m: Address, d: Address, joint: int, q: float, v: float) -> float:
+    """Commanded torque of the actuators on a joint, N m."""
     total = 0.0
-    if flags & _NO_ACTUATION:
+    disabled = int(shorts_in(m, AT[MODEL.disableflags])[0])
+    if disabled & _NO_ACTUATION:
         return total
-    for i in range(actuators):
+    off = int(shorts_in(m, AT[MODEL.disableactuator])[0])
+    # until MuJoCo 3.12 each actuator has one control and one output, of its number
+    apart = AT[MODEL.nactuator] != 0
+    first, count = shorts(m, AT[MODEL.actuator_ctrladr]), shorts(m, AT[MODEL.actuator_ctrlnum])
+    outputs = shorts(m, AT[MODEL.actuator_outadr])
+    kinds, targets = shorts(m, AT[MODEL.actuator_trntype]), shorts(m, AT[MODEL.actuator_trnid])
+    groups, gears = shorts(m, AT[MODEL.actuator_group]), reals(m, AT[MODEL.actuator_gear])
+    gains, biases = reals(m, AT[MODEL.actuator_gainprm]), reals(m, AT[MODEL.actuator_biasprm])
+    limited = flags(m, AT[MODEL.actuator_ctrllimited])
+    ranges, ctrl = reals(m, AT[MODEL.actuator_ctrlrange]), reals(d, AT[DATA.ctrl])
+    for i in range(int(wholes_in(m, AT[MODEL.nactuator] if apart else AT[MODEL.nu])[0])):
         if kinds[i] != _JOINT or targets[2 * i] != joint:
             continue
         group = int(groups[i])
@@ -82,7 +75,7 @@ def commanded_torque(
         u = 0.0
         if not apart or count[i] > 0:
             u = ctrl[k]
-            if limited[k] and not flags & _NO_CLAMP:
+            if limited[k] and not disabled & _NO_CLAMP:
                 u = min(max(u, ranges[2 * k]), ranges[2 * k + 1])
             if u != u:
                 u = 0.0  # MuJoCo takes a control that is no number for zero
@@ -93,20 +86,12 @@ def commanded_torque(
     return total
 
 
-def controls(model: mujoco.MjModel | ModelView) -> tuple[int, bool, Any, Any, Any]:
-    """Number of actuators, whether controls are numbered separately, and three index arrays."""
-    if not hasattr(model, "nactuator"):
-        none = np.zeros(0, dtype=np.int32)
-        return model.nu, False, none, none, none
-    first, count = model.actuator_ctrladr, model.actuator_ctrlnum
-    return model.nactuator, True, first, count, model.actuator_outadr
-
-
 def motors_of(model: mujoco.MjModel | ModelView, joint: int) -> list[int]:
     """The actuators on a joint."""
+    actuators = model.nactuator if hasattr(model, "nactuator") else model.nu
     return [
         i
-        for i in range(controls(model)[0])
+        for i in range(actuators)
         if model.actuator_trntype[i] == _JOINT and model.actuator_trnid[i, 0] == joint
     ]
 

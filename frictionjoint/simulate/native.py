@@ -8,22 +8,28 @@ data's userdata. For a model without friction it only looks through its numerics
 
 import ctypes
 import functools
-from collections.abc import Sequence
 from typing import Any
 
 import mujoco
 
-from frictionjoint.compiled import Table, compiled, entry_point, external, in_line
+from frictionjoint.compiled import compiled, entry_point, external, in_line
 from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
 from frictionjoint.simulate.fast_step import joint_torque
 from frictionjoint.simulate.implicit_mass import put_in, take_back
-from frictionjoint.simulate.joint_effects import asks_for_load, coupled_load, joint_effects
+from frictionjoint.simulate.joint_effects import (
+    asks_for_load,
+    coupled_load,
+    effects_torque,
+    unit_gravity,
+)
 from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, offsets
 from frictionjoint.simulate.motor_demand import commanded_torque, gives_less
 from frictionjoint.simulate.pointers import (
+    AT,
+    DATA,
+    MODEL,
     Address,
     bind_mujoco,
-    flags,
     mj_factorM,
     mj_freeStack,
     mj_markStack,
@@ -48,21 +54,10 @@ from frictionjoint.simulate.shaft_wave import SHAFT, resist
 PGS = int(mujoco.mjtSolver.mjSOL_PGS)
 # its four evaluations a step are no steps of their own: friction stays explicit
 RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
-
-
-def _places(struct: str, names: Sequence[str], first: int) -> Any:
-    """Where the offset of each field of a structure is in `AT`, by the field's name."""
-    return type(struct, (), {name: first + i for i, name in enumerate(names)})
-
-
-MODEL = _places("mjModel", MODEL_NAMES, 0)
-DATA = _places("mjData", DATA_NAMES, len(MODEL_NAMES))
 # the projection of the constraints, whichever of them this MuJoCo has
 PROJECTED = ("efc_Y_rownnz", "efc_Y", "efc_AR_rownnz", "efc_AR")
 _D_PROJECTED = tuple(getattr(DATA, name) for name in PROJECTED)
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
-AT = Table("offsets", len(MODEL_NAMES) + len(DATA_NAMES))
-"""Bytes from the beginning of mjModel and mjData; 0 for a field that this MuJoCo lacks."""
 
 
 @in_line
@@ -125,39 +120,15 @@ def native(m: Address, d: Address) -> None:
         q = qpos[int(P[block + QPOS])]
         dof = int(P[block + DOF])
         v = qvel[dof]
-        effects = block + int(P[block + EFFECTS])
+        law, effects = block + HEAD, block + int(P[block + EFFECTS])
         later = X[x + T_EVALUATED] != t
         entry = int(first_of[dof] + count_of[dof]) - 1
         take_back(X, x, M, entry)
         own = X[x + BASE]
-        F = joint_torque(P, block + HEAD, effects, X, x, t, q, v, step, h, own, weights[dof])
+        F = joint_torque(P, law, effects, X, x, t, q, v, step, h, own, weights[dof])
         if P[effects] > 0.0:
             joint = int(P[block + JOINT])
-            commanded = 0.0
-            if gives_less(P, effects):
-                # until MuJoCo 3.12 each actuator has one control and one output, of its number
-                apart = AT[MODEL.nactuator] != 0
-                commanded = commanded_torque(
-                    joint,
-                    q,
-                    v,
-                    int(wholes_in(m, AT[MODEL.nactuator] if apart else AT[MODEL.nu])[0]),
-                    apart,
-                    shorts(m, AT[MODEL.actuator_ctrladr]),
-                    shorts(m, AT[MODEL.actuator_ctrlnum]),
-                    shorts(m, AT[MODEL.actuator_outadr]),
-                    int(shorts_in(m, AT[MODEL.disableflags])[0]),
-                    int(shorts_in(m, AT[MODEL.disableactuator])[0]),
-                    shorts(m, AT[MODEL.actuator_trntype]),
-                    shorts(m, AT[MODEL.actuator_trnid]),
-                    shorts(m, AT[MODEL.actuator_group]),
-                    reals(m, AT[MODEL.actuator_gear]),
-                    reals(m, AT[MODEL.actuator_gainprm]),
-                    reals(m, AT[MODEL.actuator_biasprm]),
-                    flags(m, AT[MODEL.actuator_ctrllimited]),
-                    reals(m, AT[MODEL.actuator_ctrlrange]),
-                    reals(d, AT[DATA.ctrl]),
-                )
+            commanded = commanded_torque(m, d, joint, q, v) if gives_less(P, effects) else 0.0
             load = 0.0
             loads = asks_for_load(P, effects)
             if loads >= 0:
@@ -172,24 +143,18 @@ def native(m: Address, d: Address) -> None:
                         moved[k] -= M[int(first_of[k] + count_of[k]) - 1] * qacc[k]
                 others = moved[dof] - reals(d, AT[DATA.qfrc_constraint])[dof]
                 load = bias[dof]
-                load += coupled_load(P, block + HEAD, X, x, loads, later, others)
-            F += joint_effects(
-                P,
-                block,
-                X,
-                t,
-                q,
-                v,
-                load,
-                own - reals(m, AT[MODEL.dof_armature])[dof],
-                reals(m, AT[MODEL.dof_armature])[dof],
-                joint,
+                load += coupled_load(P, law, X, x, loads, later, others)
+            gx, gy = unit_gravity(
                 reals(m, AT[MODEL.jnt_axis]),
                 reals(d, AT[DATA.xaxis]),
+                3 * joint,
                 reals_in(m, AT[MODEL.gravity]),
                 reals(d, AT[DATA.xmat]),
-                int(shorts(m, AT[MODEL.jnt_bodyid])[joint]),
-                commanded,
+                9 * int(shorts(m, AT[MODEL.jnt_bodyid])[joint]),
+            )
+            rotor = reals(m, AT[MODEL.dof_armature])[dof]
+            F += effects_torque(
+                P, law, effects, X, x, t, q, v, load, own - rotor, rotor, gx, gy, commanded
             )
         passive[dof] -= F
         if put_in(X, x, M, entry, h):

@@ -5,12 +5,14 @@ A structure is an address, and a field is at a byte offset from it (``simulate.l
 
 import ctypes
 import os
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
 
 from frictionjoint.arrays import Index, Vector
-from frictionjoint.compiled import External, c_text, external
+from frictionjoint.compiled import External, Table, c_text, external
+from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES
 
 Address = int
 Size = int
@@ -18,6 +20,17 @@ Size = int
 Shorts = Index
 Flags = Index
 """int32 and uint8 arrays of MuJoCo's."""
+
+
+def _places(struct: str, names: Sequence[str], first: int) -> Any:
+    """Where the offset of each field of a structure is in `AT`, by the field's name."""
+    return type(struct, (), {name: first + i for i, name in enumerate(names)})
+
+
+MODEL = _places("mjModel", MODEL_NAMES, 0)
+DATA = _places("mjData", DATA_NAMES, len(MODEL_NAMES))
+AT = Table("offsets", len(MODEL_NAMES) + len(DATA_NAMES))
+"""Bytes from the beginning of mjModel and mjData; 0 for a field that this MuJoCo lacks."""
 
 
 @c_text("(*(double **)({0} + {1}))")

@@ -49,6 +49,13 @@ def row_size(law_row: int, n_effects: int) -> int:
 
 
 @in_line
+def commit_point(X: Vector, x: int) -> None:
+    """Make time, position, velocity, torque and gain of the evaluated point the committed ones."""
+    for i in range(T_EVALUATED - T_COMMITTED):
+        X[x + T_COMMITTED + i] = X[x + T_EVALUATED + i]
+
+
+@in_line
 def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
     """Make the effects' evaluated memory the committed one."""
     n = MEMORY * int(P[effects])
@@ -95,11 +102,7 @@ def torque_now(
             commit(P, p, X, law)
         # also after a start, where each effect has set its own memory
         commit_effects(P, p, effects, X, x)
-        X[x + V_COMMITTED] = X[x + V_EVALUATED]
-        X[x + TORQUE_COMMITTED] = X[x + TORQUE]
-        X[x + GAIN_COMMITTED] = X[x + GAIN]
-        X[x + T_COMMITTED] = X[x + T_EVALUATED]
-        X[x + Q_COMMITTED] = X[x + Q_EVALUATED]
+        commit_point(X, x)
     fit_row(P, p, X, law)
     dt = t - X[x + T_COMMITTED]
     if dt == 0.0:

@@ -226,19 +226,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
                 R = wp.zeros(shape=9, dtype=wp.float64)
                 for i in range(9):
                     R[i] = double(M[i // 3, i % 3])
-                gx, gy = gravity_arms(
-                    double(a[0]),
-                    double(a[1]),
-                    double(a[2]),
-                    double(turned[0]),
-                    double(turned[1]),
-                    double(turned[2]),
-                    double(g[0]),
-                    double(g[1]),
-                    double(g[2]),
-                    R,
-                    0,
-                )
+                gx, gy = gravity_arms(wp.vec3d(a), wp.vec3d(turned), 0, wp.vec3d(g), R, 0)
                 b = double(bias[world, dof])
                 if loads[k] >= 0:
                     others = double(moved[world, dof]) - J * double(qacc[world, dof])

@@ -60,8 +60,11 @@ from frictionjoint.translate.build import all_kernels
 KEPT = 25
 EXAMPLES = 12
 SAMPLES = 60
-# whose kernels take addresses of MuJoCo's structures: tests/test_state.py steps them beside Python
-ADDRESSED = "frictionjoint.simulate.native."
+# kernels of addresses of MuJoCo's structures: the tests of `simulate` step them beside Python
+ADDRESSED = (
+    "frictionjoint.simulate.native.",
+    "frictionjoint.simulate.motor_demand.commanded_torque",
+)
 
 
 class Recorder:
