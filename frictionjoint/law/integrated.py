@@ -160,7 +160,7 @@ def _reset(X: Vector, h: int, s: int, direction: float) -> None:
 
 
 @in_line
-def _closing_torque(X: Vector, h: int, s: int, direction: float) -> float:
+def closing_torque(X: Vector, h: int, s: int, direction: float) -> float:
     """Torque, mirrored, at which the innermost open loop closes; infinite without one."""
     if direction > 0.0:
         tops = int(X[h + N_MAX])
@@ -201,7 +201,7 @@ def _slide(
         event = _KNOT
         if r < 1.0:
             target = b + scale * knot_torque(P, k, j) if j < last else math.inf
-            top = _closing_torque(X, h, s, direction)
+            top = closing_torque(X, h, s, direction)
             if top <= target:
                 target, event = top, _CLOSING
             if not wiped and reset_torque < target:
@@ -250,6 +250,13 @@ def _move(P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, S: fl
         _slide(P, p, X, h, s, direction, S, abs(dq))
 
 
+@in_line
+def _total(P: Vector, p: int, Fh: float, slip: float, v: float) -> float:
+    """F = Fh + sigma1 dz/dt + sigma2 v."""
+    sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
+    return Fh + (P[p + SIGMA1] * slip + sigma2) * v
+
+
 @compiled
 def step(
     P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, dt: float, v: float
@@ -267,8 +274,7 @@ def step(
         side = p + POSITIVE if dq > 0.0 else p + NEGATIVE
         S = stribeck_level(P, side, abs(dq) / dt if dt > 0.0 else 0.0)
     _move(P, p, X, a, h, s, dq, S)
-    sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
-    return X[h + FH] + (P[p + SIGMA1] * X[h + RATE] + sigma2) * v
+    return _total(P, p, X[h + FH], X[h + RATE], v)
 
 
 @in_line
@@ -289,7 +295,7 @@ def undisturbed(
 
     Args:
         f, b: Fh and Fb, mirrored. wiped: whether the memory is empty. scale: of the knots' torques.
-        top: torque at which the innermost open loop closes, see `_closing_torque`.
+        top: torque at which the innermost open loop closes, see `closing_torque`.
     Returns:
         Fh, mirrored, dz/dx and the slope of Fd, N m/rad, at its end.
     """
@@ -348,7 +354,7 @@ def usual_step(
                 direction * X[a + FB],
                 wiped,
                 0.5 if P[p + MASING] == 1.0 and _on_virgin(X, a) else 1.0,
-                _closing_torque(X, a, s, direction),
+                closing_torque(X, a, s, direction),
                 S,
                 dx,
             )
@@ -360,8 +366,6 @@ def usual_step(
                 X[h + DIRECTION] = direction
                 X[h + FH] = direction * Fh
                 X[h + RATE] = slip
-                sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
-                return direction * Fh + (P[p + SIGMA1] * slip + sigma2) * v
+                return _total(P, p, direction * Fh, slip, v)
     _move(P, p, X, a, h, s, dq, S)
-    sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
-    return X[h + FH] + (P[p + SIGMA1] * X[h + RATE] + sigma2) * v
+    return _total(P, p, X[h + FH], X[h + RATE], v)

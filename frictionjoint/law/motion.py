@@ -1,7 +1,7 @@
 """A law driven along a given motion: the friction torque at each sample, from rest."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, pointer, room
@@ -14,22 +14,20 @@ from frictionjoint.parameters import Friction
 
 
 @compiled
-def drive(P: Vector, p: int, time: Vector, position: Vector, velocity: Vector, F: Vector) -> None:
+def drive(P: Vector, time: Vector, position: Vector, F: Vector) -> None:
     """Fill F with the torque along a motion that is linear between samples.
 
-    Without a measured velocity (an empty array) the velocity of sample k is the mean over the
-    interval that ends there, and zero at the first one.
+    The velocity of sample k is the mean over the interval that ends there, and zero at the first
+    one.
     """
-    block, x = pointer(P, 0), 0
+    block, p, x = pointer(P, 0), 0, 0
     X = room(row_size(block, p))
     start_row(block, p, X, x)
     F[0] = 0.0
-    own = len(velocity) == 0
     for k in range(1, len(position)):
         dq = position[k] - position[k - 1]
         dt = time[k] - time[k - 1]
-        v = dq / dt if own else velocity[k]
-        F[k] = step_row(block, p, X, x, dq, dt, v)
+        F[k] = step_row(block, p, X, x, dq, dt, dq / dt)
         commit(block, p, X, x)
 
 
@@ -83,7 +81,7 @@ def drive_rival(
             rate[k] = X[bristle.RATE]
 
 
-def friction_torque(parameters: Friction, time: "ArrayLike", position: "ArrayLike") -> "Array":
+def friction_torque(parameters: Friction, time: ArrayLike, position: ArrayLike) -> Array:
     """Friction torque along a motion, starting at rest and never moved.
 
     The motion is linear between the samples, so the velocity of an interval is its mean velocity,
@@ -113,11 +111,11 @@ def friction_torque(parameters: Friction, time: "ArrayLike", position: "ArrayLik
     if bad.size:
         raise LogError(f"time[{bad[0] + 1}] does not increase: sort or remove repeated samples")
     F = np.empty_like(q)
-    drive(parameters.pack(), 0, t, q, np.empty(0), F)
+    drive(parameters.pack(), t, q, F)
     return F
 
 
-def _numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+def _numbers(name: str, values: ArrayLike) -> Array:
     try:
         return np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError):

@@ -175,8 +175,6 @@ def distance(r0: float, r1: float, n: float) -> float:
         return math.log((1.0 - r0) / (1.0 - r1))
     if n == 2.0 and r0 > 1.0:
         return 0.5 * math.log(((r1 + 1.0) * (r0 - 1.0)) / ((r1 - 1.0) * (r0 + 1.0)))
-    if n == 2.0 and r0 >= 0.0 and r1 > 0.0:
-        return 0.5 * math.log(((1.0 + r1) * (1.0 - r0)) / ((1.0 - r1) * (1.0 + r0)))
     return any_distance(r0, r1, n)
 
 

@@ -3,6 +3,8 @@ friction."""
 
 import mujoco
 
+from frictionjoint.simulate.model_view import without_tag
+
 ASSUMED = "frictionjoint-assumed:"
 
 
@@ -14,6 +16,5 @@ def remove_assumed(spec: mujoco.MjSpec, joint: str) -> None:
         joint: name, with its prefix.
     """
     for text in list(spec.texts):
-        prefix, tag, rest = text.name.partition(ASSUMED)
-        if tag and prefix + rest == joint:
+        if without_tag(text.name, ASSUMED) == joint:
             spec.delete(text)

@@ -1,7 +1,6 @@
 """Let friction act: for one model (`attach`), or for every model of the process (`enable`)."""
 
 import warnings
-from types import TracebackType
 
 import mujoco
 
@@ -47,12 +46,7 @@ class Attached:
     def __enter__(self) -> mujoco.MjModel:
         return self.model
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.detach()
 
 

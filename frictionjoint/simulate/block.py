@@ -24,6 +24,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.model_view import ModelView, tagged_numerics
 from frictionjoint.simulate.row import row_size
@@ -46,6 +47,16 @@ def rows_of_block(block: Sequence[float]) -> int:
     numbers = np.asarray(block, dtype=np.float64)
     n_effects = int(numbers[int(numbers[EFFECTS])])
     return row_size(int(law_row_size(numbers, HEAD)), n_effects)
+
+
+def effects_of(P: Sequence[float] | Array, at: int) -> list[tuple[float, int]]:
+    """Id of each effect of the block of effects at P[at], and where its numbers begin."""
+    found = []
+    count, at = int(P[at]), at + 1
+    for _ in range(count):
+        found.append((float(P[at]), at + 2))
+        at += 2 + int(P[at + 1])
+    return found
 
 
 def have_rows(blocks: Sequence[Sequence[float]], nuserdata: int) -> bool:

@@ -59,6 +59,12 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
             require_flags(model, name)
         except ModelError as error:
             outside.append(str(error))
+        acts = [
+            f"{e.effect.title or e.effect.name} {how_it_acts(name, e)}" for e in carried.effects
+        ]
+        if law.law == "static":  # it would not hold a joint at rest
+            held = f"a joint at rest is held by an elastic element of {stiffness:.4g} {unit}"
+            acts.insert(0, f"{law.law}: {held}")
         rows.append(
             {
                 "joint": name,
@@ -71,12 +77,7 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
                 "implicit": bool(implicit),
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
-                "acts": _law_acts(law.law, float(stiffness), unit)
-                + [
-                    f"{e.effect.title or e.effect.name} {how_it_acts(name, e)}"
-                    for e in carried.effects
-                ]
-                + tendon_friction(model, name),
+                "acts": acts + tendon_friction(model, name),
                 "outside": outside,
                 "remark": _remark(ratio, model.opt.timestep),
             }
@@ -120,13 +121,6 @@ def _springs_outside(timestep: float, inverse: float, carried: JointFriction) ->
                     f"{ratio:.3g}, above 1: take a timestep <= {timestep / ratio:.2g} s"
                 )
     return found
-
-
-def _law_acts(law: str, stiffness: float, unit: str) -> list[str]:
-    """Description of what a simulation adds to a law that would not hold a joint at rest."""
-    if law != "static":
-        return []
-    return [f"{law}: a joint at rest is held by an elastic element of {stiffness:.4g} {unit}"]
 
 
 def _remark(ratio: float, timestep: float) -> str:

@@ -18,7 +18,15 @@ import numpy as np
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import in_line
-from frictionjoint.law.integrated import KNOTS, MASING, NEGATIVE, POSITIVE, SIGMA1, undisturbed
+from frictionjoint.law.integrated import (
+    KNOTS,
+    MASING,
+    NEGATIVE,
+    POSITIVE,
+    SIGMA1,
+    closing_torque,
+    undisturbed,
+)
 from frictionjoint.law.kernel import INTEGRATED
 from frictionjoint.law.memory import (
     BOUND,
@@ -116,22 +124,15 @@ def usual_torque(
     if moves:
         place, bent = q, 0.0
         way = math.copysign(1.0, dq)
-        top = np.inf
         if turned == -way:
             b = f
             if way > 0.0:
                 X[stack + int(n_min)] = f
                 lows = n_min + 1.0
-                top = X[stack + CAPACITY + int(n_max) - 1] if n_max > 1.0 else np.inf
             else:
                 X[stack + CAPACITY + int(n_max)] = f
                 highs = n_max + 1.0
-                top = -X[stack + int(n_min) - 1] if n_min > 1.0 else np.inf
-        elif way > 0.0:
-            if n_max > 1.0:
-                top = X[stack + CAPACITY + int(n_max) - 1]
-        elif n_min > 1.0:
-            top = -X[stack + int(n_min) - 1]
+        top = closing_torque(X, a, stack, way)
         wiped = virgin == 0.0 and lows == 1.0 and highs == 1.0
         f, slip, K = undisturbed(P, first, way * f, way * b, wiped, 1.0, top, S, dx)
         if f != f:

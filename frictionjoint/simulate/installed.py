@@ -18,10 +18,9 @@ from frictionjoint.errors import ModelError
 from frictionjoint.model_files import is_c
 from frictionjoint.simulate.callback import python_callback
 from frictionjoint.simulate.layout import LayoutMismatchError
-from frictionjoint.simulate.native import build_both, build_native
+from frictionjoint.simulate.native import CALLBACK, build_both, build_native
 
 Backend = Literal["native", "python"]
-_C_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
 @dataclass(eq=False)
@@ -136,7 +135,7 @@ def _address(callback: Any) -> int:
 def _from_python(callback: Any) -> Callable[[mujoco.MjModel, mujoco.MjData], None]:
     if not is_c(callback):
         return cast("Callable[[mujoco.MjModel, mujoco.MjData], None]", callback)
-    function = _C_CALLBACK(_address(callback))
+    function = CALLBACK(_address(callback))
     return lambda model, data: function(model._address, data._address)
 
 

@@ -35,11 +35,6 @@ def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
             entries[diagonal] = X[row + BASE]
     dense = np.zeros((model.nv, model.nv))
     rows = np.repeat(np.arange(model.nv), model.M_rownnz)
-    places = np.concatenate(
-        [np.arange(at, at + n) for at, n in zip(model.M_rowadr, model.M_rownnz, strict=True)]
-        or [np.zeros(0, dtype=int)]
-    )
-    columns = model.M_colind[places]
-    dense[rows, columns] = entries[places]
-    dense[columns, rows] = entries[places]
+    dense[rows, model.M_colind] = entries
+    dense[model.M_colind, rows] = entries
     return dense

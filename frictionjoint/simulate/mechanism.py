@@ -33,6 +33,7 @@ from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.joint_elasticity import EFFECT as ELASTICITY
 from frictionjoint.errors import ModelError
 from frictionjoint.model_joints import mass_at_start
+from frictionjoint.simulate.native_friction import set_first
 
 DEFLECTION, TENDON = "_deflection", "_link"
 # of the joint's inertia: a rotor has so much at least, as a link behind a gap has, and so much at
@@ -106,8 +107,8 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
     # whatever the defaults are
     made.armature = made.frictionloss = made.ref = made.springref = 0.0
     made.limited = mujoco.mjtLimited.mjLIMITED_FALSE
-    _first(made, "stiffness", 0.0)
-    _first(made, "damping", 0.0)
+    set_first(made, "stiffness", 0.0)
+    set_first(made, "damping", 0.0)
     more, ratio = spring.inertia - link, 1.0
     if np.any(model.dof_parentid == dof):
         joint.armature = max(armature, spring.least_rotor)
@@ -124,8 +125,8 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
     _in_keys(spec, np.insert, int(model.jnt_qposadr[j]) + 1, dof + 1, 0.0)
     stiffness, damping = spring.stiffness * ratio**2, spring.damping * ratio**2
     if spring.half_gap == 0.0:
-        _first(made, "stiffness", stiffness)
-        _first(made, "damping", damping)
+        set_first(made, "stiffness", stiffness)
+        set_first(made, "damping", damping)
         return
     compiled = spec.copy().compile()
     weight = float(compiled.dof_invweight0[int(compiled.joint(made.name).dofadr[0])])
@@ -278,10 +279,3 @@ def _in_keys(
             numbers = np.asarray(getattr(key, field))
             if numbers.size:
                 setattr(key, field, change(numbers, at, *value))
-
-
-def _first(joint: mujoco.MjsJoint, field: str, value: float) -> None:
-    """Set the first coefficient of a polynomial, or the single number of an older MuJoCo."""
-    numbers = np.zeros_like(np.array(getattr(joint, field), dtype=np.float64))
-    np.ravel(numbers)[:1] = value
-    setattr(joint, field, numbers if numbers.ndim else value)

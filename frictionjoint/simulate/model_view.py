@@ -43,15 +43,19 @@ def names_of(model: Any, kind: str) -> list[str]:
     return [letters[begin : letters.index(0, begin)].decode() for begin in begins]
 
 
+def without_tag(name: str, tag: str) -> str | None:
+    """A name without its tag, which `MjSpec.attach` may have put behind a prefix; None if there is
+    no tag."""
+    prefix, own, rest = name.partition(tag)
+    return prefix + rest if own else None
+
+
 def tagged_numerics(model: Any, tag: str) -> dict[str, int]:
     """Address in ``numeric_data`` of each numeric with a tag in its name, by the rest of the name.
 
     Args:
         model: an MjModel or a `ModelView`.
     """
-    found = {}
-    for name, address in zip(names_of(model, "numeric"), model.numeric_adr, strict=True):
-        prefix, own, rest = name.partition(tag)
-        if own:
-            found[prefix + rest] = int(address)
-    return found
+    names = (without_tag(name, tag) for name in names_of(model, "numeric"))
+    pairs = zip(names, model.numeric_adr, strict=True)
+    return {name: int(address) for name, address in pairs if name is not None}

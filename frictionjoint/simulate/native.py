@@ -57,7 +57,7 @@ RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
 # the projection of the constraints, whichever of them this MuJoCo has
 PROJECTED = ("efc_Y_rownnz", "efc_Y", "efc_AR_rownnz", "efc_AR")
 _D_PROJECTED = tuple(getattr(DATA, name) for name in PROJECTED)
-_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
+CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
 @in_line
@@ -208,7 +208,7 @@ def build_both(first: int) -> Any:
     """
     build_native()
     first_callback.bind(first)
-    return _CALLBACK(entry_point(both))
+    return CALLBACK(entry_point(both))
 
 
 @functools.cache
@@ -233,4 +233,4 @@ def build_native() -> Any:
         mj_stackAllocNum,
     )
     bind_python()
-    return _CALLBACK(entry_point(native))
+    return CALLBACK(entry_point(native))

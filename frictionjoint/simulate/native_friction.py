@@ -66,15 +66,19 @@ def clear_native_friction(spec: mujoco.MjSpec, joints: Iterable[str]) -> None:
     if of_springdamper:
         model = compiled_copy(spec)
         for name in of_springdamper:
-            joint = spec.joint(name)
-            stiffness = np.zeros_like(np.array(joint.stiffness, dtype=np.float64))
-            np.ravel(stiffness)[:1] = model.joint(name).stiffness[0]
-            joint.stiffness = stiffness if stiffness.ndim else float(stiffness)
-            joint.springdamper = np.zeros(2)
+            set_first(spec.joint(name), "stiffness", model.joint(name).stiffness[0])
+            spec.joint(name).springdamper = np.zeros(2)
     for name in joints:
-        joint = spec.joint(name)
-        joint.frictionloss = 0.0
-        joint.damping = np.zeros_like(joint.damping)  # a number before MuJoCo 3.7
+        spec.joint(name).frictionloss = 0.0
+        set_first(spec.joint(name), "damping", 0.0)
+
+
+def set_first(joint: mujoco.MjsJoint, field: str, value: float) -> None:
+    """Set the first coefficient of a polynomial and clear the others; until MuJoCo 3.6 there is one
+    number."""
+    numbers = np.zeros_like(np.array(getattr(joint, field), dtype=np.float64))
+    np.ravel(numbers)[:1] = value
+    setattr(joint, field, numbers if numbers.ndim else value)
 
 
 def _has_springdamper(joint: mujoco.MjsJoint) -> bool:

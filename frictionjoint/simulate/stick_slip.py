@@ -16,6 +16,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import load_model, read_friction
+from frictionjoint.simulate.native_friction import set_first
 
 JOINT = "joint1"
 SPEED = 0.1
@@ -64,9 +65,7 @@ def native_model(path: Path) -> mujoco.MjModel:
     spec = mujoco.MjSpec.from_file(str(path))
     joint = spec.joint(JOINT)
     joint.frictionloss = friction["Fc_pos"]
-    damping = np.zeros_like(joint.damping)
-    np.ravel(damping)[0] = friction["sigma2_pos"]
-    joint.damping = damping
+    set_first(joint, "damping", friction["sigma2_pos"])
     for numeric in list(spec.numerics):
         spec.delete(numeric)
     return spec.compile()

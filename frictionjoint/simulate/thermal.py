@@ -19,7 +19,7 @@ from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.effects.signals import TEMP
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.simulate.block import EFFECTS, HEAD, ROW
+from frictionjoint.simulate.block import EFFECTS, HEAD, ROW, effects_of
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.row import FRONT, STARTED
 
@@ -36,16 +36,9 @@ class _Kind:
     write: Callable[[Array, float, float], float]
 
 
-def _above(P: Array, x: float, t: float) -> float:
-    return float(P[0]) + x
-
-
-def _less(P: Array, celsius: float, t: float) -> float:
-    return celsius - float(P[0])
-
-
+_ABOVE = _Kind(lambda P, x, t: float(P[0]) + x, lambda P, celsius, t: celsius - float(P[0]))
 _TEMPERATURES = {
-    float(effect.effect_id): _Kind(_above, _less)
+    float(effect.effect_id): _ABOVE
     for effect in SIMULATED
     if effect is heating.EFFECT or TEMP in effect.needs
 }
@@ -131,16 +124,13 @@ def _places(
 
 def _of_block(P: Array, block: int, kinds: dict[float, _Kind]) -> list[tuple[_Kind, int, int, int]]:
     """Kind, address of the numbers, of the committed and of the evaluated memory, of one block."""
-    at = block + int(P[block + EFFECTS])
-    n = int(P[at])
+    found = effects_of(P, block + int(P[block + EFFECTS]))
     memory = int(P[block + ROW]) + FRONT + int(law_row_size(P, block + HEAD))
-    at, places = at + 1, []
-    for i in range(n):
-        if P[at] in kinds:
-            committed = memory + MEMORY * i
-            places.append((kinds[P[at]], at + 2, committed, committed + MEMORY * n))
-        at += 2 + int(P[at + 1])
-    return places
+    return [
+        (kinds[effect], numbers, memory + MEMORY * i, memory + MEMORY * (i + len(found)))
+        for i, (effect, numbers) in enumerate(found)
+        if effect in kinds
+    ]
 
 
 def _read(

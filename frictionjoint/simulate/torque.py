@@ -14,7 +14,15 @@ from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
-from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, RESOLVED, ROW, blocks
+from frictionjoint.simulate.block import (
+    DOF,
+    EFFECTS,
+    HEAD,
+    RESOLVED,
+    ROW,
+    blocks,
+    effects_of,
+)
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.idle_warning import warn_if_idle
 from frictionjoint.simulate.row import FRONT, GAIN, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
@@ -120,14 +128,11 @@ def _of_joint(model: mujoco.MjModel, data: mujoco.MjData, block: int) -> Frictio
 
 def _effects(P: Array, block: int, X: Array, x: int) -> dict[str, float]:
     """Torque of each effect of a block by its name."""
-    at = block + int(P[block + EFFECTS])
-    n = int(P[at])
-    each = x + FRONT + int(law_row_size(P, block + HEAD)) + 2 * MEMORY * n
+    numbers = effects_of(P, block + int(P[block + EFFECTS]))
+    each = x + FRONT + int(law_row_size(P, block + HEAD)) + 2 * MEMORY * len(numbers)
     found: dict[str, float] = {}
-    at += 1
-    for i in range(n):
-        name = _NAMES[float(P[at])]
+    for i, (effect, _) in enumerate(numbers):
+        name = _NAMES[effect]
         alike = sum(1 for other in found if other.partition("_")[0] == name)
         found[f"{name}_{alike + 1}" if alike else name] = float(X[each + i])
-        at += 2 + int(P[at + 1])
     return found

@@ -10,6 +10,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.simulate.assumption_text import remove_assumed
 from frictionjoint.simulate.block import COUNT, HEAD, MAGIC, TAG, have_rows, rows_of_block
 from frictionjoint.simulate.mechanism import remove_mechanism
+from frictionjoint.simulate.model_view import without_tag
 from frictionjoint.simulate.shaft_wave import remove_waves
 
 
@@ -37,14 +38,8 @@ def uninstall(spec: mujoco.MjSpec) -> list[str]:
 
 def carrying(spec: mujoco.MjSpec) -> list[str]:
     """Names of the joints that have friction."""
-    found = (_carrier(numeric.name) for numeric in spec.numerics)
+    found = (without_tag(numeric.name, TAG) for numeric in spec.numerics)
     return [name for name in found if name is not None]
-
-
-def _carrier(numeric: str) -> str | None:
-    """The joint whose friction a numeric contains; None for another numeric."""
-    prefix, tag, rest = numeric.partition(TAG)
-    return prefix + rest if tag else None
 
 
 def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
@@ -53,8 +48,8 @@ def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
     Raises:
         ModelError: a block is damaged.
     """
-    ours = [numeric for numeric in spec.numerics if _carrier(numeric.name) in joints]
-    all_of_them = [numeric.data for numeric in spec.numerics if _carrier(numeric.name)]
+    ours = [numeric for numeric in spec.numerics if without_tag(numeric.name, TAG) in joints]
+    all_of_them = [numeric.data for numeric in spec.numerics if TAG in numeric.name]
     rows = 0
     for numeric in ours:
         block = np.asarray(numeric.data)

@@ -8,7 +8,6 @@ last evaluated point, the same time evaluates again, an earlier time resets.
 
 import warnings
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import Any
 
 import mujoco
@@ -19,6 +18,7 @@ from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import resolve
+from frictionjoint.simulate.idle_warning import callback_is_off
 from frictionjoint.simulate.shaft_wave import wave_losses
 from frictionjoint.simulate.warp_layout import block_with, layout
 
@@ -249,12 +249,7 @@ class WarpFriction:
     def __enter__(self) -> "WarpFriction":
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         self.detach()
 
 
@@ -266,8 +261,7 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
             "the mujoco_warp Model and Data were not made from this MjModel: give the one that "
             "went into put_model"
         )
-    bit = mjw.DisableBit
-    if m.opt.disableflags & bit.SPRING and m.opt.disableflags & bit.DAMPER:
+    if callback_is_off(m):
         raise ModelError(
             "spring and damper flags are both disabled, so mujoco_warp calls no passive force: "
             "enable one of them in <option><flag>"
