@@ -179,79 +179,65 @@ def _call_text(kernel: Any, entry: Entry, space: dict[str, Any]) -> str:
     given: list[str] = []
     kinds: list[Any] = []
     for p in entry.parameters:
-        convert = _ARRAYS.get(p.kind)
-        if convert is not None:
-            kinds.append(ctypes.c_void_p)
-            given.append(f"{convert}({p.name}{', True' if p.written else ''})")
+        kinds.append(_NUMBERS.get(p.kind, ctypes.c_void_p))
+        if p.kind in _ARRAYS:
+            given.append(f"{_ARRAYS[p.kind]}({p.name}{', True' if p.written else ''})")
             given += [f"{p.name}.shape[{axis}]" for axis in p.axes]
             kinds += [ctypes.c_int64] * len(p.axes)
-        elif p.kind == "double":
-            kinds.append(ctypes.c_double)
-            given.append(p.name)
-        elif p.kind == "char *":
-            kinds.append(ctypes.c_void_p)
-            given.append(p.name)
         elif p.kind == "int":
-            kinds.append(ctypes.c_int64)
             given.append(f"_int({p.name})")
-        elif p.fields:
-            kinds.append(ctypes.c_void_p)
-            space[f"_make_{p.name}"] = _structure_with(p.fields)
-            given.append(f"_address_of(_make_{p.name}({p.name}))")
+        elif p.kind in ("double", "char *"):
+            given.append(p.name)
         else:
-            kinds.append(ctypes.c_void_p)
-            structure = _structure(p.kind)
-            space[f"_make_{p.name}"] = functools.partial(_made, structure)
+            make = functools.partial(_made, _structure(p.kind)) if is_tuple(p.kind) else None
+            space[f"_make_{p.name}"] = make or _structure_with(p.fields)
             given.append(f"_address_of(_make_{p.name}({p.name}))")
-    native.restype = _RESULTS.get(entry.result)
-    names = ", ".join(inspect.signature(kernel.py_func).parameters)
-    call = f"_native({', '.join(given)})"
-    if entry.result == "bool":
-        call = f"_native({', '.join(given)}) != 0"
-    if entry.result.startswith("fj_tuple"):
+    if is_tuple(entry.result):
         kinds.append(ctypes.c_void_p)
         space["_structure"] = _structure(entry.result)
         inner = ", ".join([*given, "_address_of(out)"])
         lines = f"    out = _structure()\n    _native({inner})\n    return _taken(out)"
     else:
-        lines = f"    return {call}"
-    native.argtypes = kinds
+        flag = " != 0" if entry.result == "bool" else ""
+        lines = f"    return _native({', '.join(given)}){flag}"
+    native.argtypes, native.restype = kinds, _NUMBERS.get(entry.result)
+    names = ", ".join(inspect.signature(kernel.py_func).parameters)
     return f"def call({names}):\n{lines}\n"
 
 
-_RESULTS = {"double": ctypes.c_double, "int": ctypes.c_int64, "bool": ctypes.c_int64}
+_NUMBERS = {"double": ctypes.c_double, "int": ctypes.c_int64, "bool": ctypes.c_int64}
 _ARRAYS = {
     "double *": "_reals",
     "int64_t *": "_wholes",
     "uint8_t *": "_flags",
     "int32_t *": "_shorts",
 }
+TUPLE = "fj_tuple_"
+"""How the names of tuples begin in C: see `frictionjoint.translate.kinds`."""
+
+
+def is_tuple(kind: str | None) -> bool:
+    """Whether a kind, the C type of a value, is a tuple."""
+    return kind is not None and kind.startswith(TUPLE)
+
+
+def elements(kind: str) -> list[str]:
+    """Kinds of the elements of a tuple."""
+    found: list[str] = []
+    depth = 0
+    for letter in kind.removeprefix(TUPLE)[1:-1]:
+        if depth == 0:
+            found.append("")
+        found[-1] += letter
+        depth += (letter == "T") - (letter == "E")
+    return [{"d": "double", "i": "int"}.get(text) or TUPLE + text for text in found]
 
 
 @functools.cache
 def _structure(kind: str) -> Any:
-    """ctypes structure of a tuple, from the name its C type has: see `translate.kinds`."""
-    fields: list[Any] = []
-
-    def parse(text: str) -> tuple[list[Any], str]:
-        inner: list[Any] = []
-        while text and text[0] != "E":
-            if text[0] == "T":
-                own, text = parse(text[1:])
-                inner.append(_structure_of(tuple(own)))
-                text = text[1:]
-            else:
-                inner.append(ctypes.c_double if text[0] == "d" else ctypes.c_int64)
-                text = text[1:]
-        return inner, text
-
-    fields, _ = parse(kind.removeprefix("fj_tuple_T"))
-    return _structure_of(tuple(fields))
-
-
-@functools.cache
-def _structure_of(fields: tuple[Any, ...]) -> Any:
-    names = [(f"_{i}", field) for i, field in enumerate(fields)]
+    """ctypes structure of a tuple."""
+    types = (_NUMBERS.get(part) or _structure(part) for part in elements(kind))
+    names = [(f"_{i}", part) for i, part in enumerate(types)]
     return type("Tuple", (ctypes.Structure,), {"_fields_": names})
 
 
@@ -262,7 +248,7 @@ def _structure_with(fields: dict[str, str]) -> Callable[[Any], Any]:
         if kind in _ARRAYS:
             members += [(name, ctypes.c_void_p), (f"{name}_n", ctypes.c_int64 * 3)]
         else:
-            members.append((name, ctypes.c_double if kind == "double" else ctypes.c_int64))
+            members.append((name, _NUMBERS[kind]))
     structure = type("Named", (ctypes.Structure,), {"_fields_": members})
 
     def make(values: Any) -> Any:
@@ -286,11 +272,8 @@ def _taken(structure: Any) -> tuple[Any, ...]:
 
 def _made(structure: Any, values: Any) -> Any:
     """A structure with the numbers of a tuple."""
-    made = structure()
-    for (name, kind), value in zip(structure._fields_, values, strict=True):
-        nested = issubclass(kind, ctypes.Structure)
-        setattr(made, name, _made(kind, value) if nested else value)
-    return made
+    pairs = zip(values, structure._fields_, strict=True)
+    return structure(*(_made(kind, x) if isinstance(x, tuple) else x for x, (_, kind) in pairs))
 
 
 def _converter(kind: Any) -> Callable[..., int]:

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from frictionjoint.compiled import External, Table, pointer
+from frictionjoint.compiled import External, Table, elements, is_tuple, pointer
 from frictionjoint.translate.kernel import Kernel, built_in, is_kernel, is_shape, place, signature
-from frictionjoint.translate.kinds import DOUBLE, REALS, WHOLE, Dialect, elements, is_tuple, row_of
+from frictionjoint.translate.kinds import DOUBLE, REALS, WHOLE, Dialect, row_of
 
 # precedence of operators
 _CHOICE, _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _UNARY, _ATOM = range(8)
@@ -85,7 +85,7 @@ class Expressions(Kernel):
 
     def __init__(self, function: Any, gathered: Gathered) -> None:
         super().__init__(function)
-        self.gathered = gathered
+        self.gathered, self.dialect = gathered, gathered.dialect
         gathered.structures.update(self.structures)
         self.rows = {a.arg: row_of(a.annotation, self.aliases) for a in self.tree.args.args}
         self.written: set[str] = set()
@@ -230,15 +230,11 @@ class Expressions(Kernel):
 
     def _binary(self, node: ast.BinOp) -> tuple[str, int]:
         if isinstance(node.op, ast.Pow):
-            if isinstance(node.right, ast.Constant) and node.right.value == 2:
-                self.gathered.helpers.add("square")
-                return f"fj_square({self.text(node.left)})", _ATOM
             return f"pow({self.text(node.left)}, {self.text(node.right)})", _ATOM
         whole = self.wider(node.left, node.right) == WHOLE
         if type(node.op) in _FLOOR and whole:
-            return self._helper(
-                _FLOOR[type(node.op)], [*map(self.text, (node.left, node.right))]
-            ), 7
+            texts = [self.text(side) for side in (node.left, node.right)]
+            return self._helper(_FLOOR[type(node.op)], texts), _ATOM
         if type(node.op) in _WHOLE_BINARY and whole:
             sides = (self.text(side, _ATOM) for side in (node.left, node.right))
             return f"({f' {_WHOLE_BINARY[type(node.op)]} '.join(sides)})", _ATOM
@@ -263,7 +259,8 @@ class Expressions(Kernel):
             self.unknown(node)
         name = built_in(node)
         if name == "len":
-            return self._length_of(node.args[0])
+            of = node.args[0]
+            return self.length(of, 0) if self.is_local(of) else str(len(self.look_up(of)))
         if name in ("min", "max") and len(node.args) != 2:
             self.unknown(node)
         if name in ("abs", "min", "max"):
@@ -282,17 +279,12 @@ class Expressions(Kernel):
             return self._kernel(called, node)
         return self._mathematics(called, node)
 
-    def _length_of(self, node: ast.expr) -> str:
-        if not self.is_local(node):
-            return str(len(self.look_up(node)))
-        return self.length(node, 0)
-
     def _converted(self, name: str, node: ast.expr) -> str:
         inner, kind = self.text(node, _ATOM), self.kind(node)
         if name == "bool" and kind == DOUBLE:
             return f"({inner} != 0.0)"
         wanted = DOUBLE if name == "float" else WHOLE
-        return inner if kind == wanted else f"({self.gathered.dialect.type_of(wanted)}){inner}"
+        return inner if kind == wanted else f"({self.dialect.type_of(wanted)}){inner}"
 
     def _kernel(self, called: Any, node: ast.Call) -> str:
         known = self.gathered.call(called)
@@ -318,16 +310,13 @@ class Expressions(Kernel):
         if called is math.isnan:
             return f"({texts[0]} != {texts[0]})"
         name = getattr(called, "__name__", "")
-        full = self.gathered.dialect.full
-        if getattr(math, name, None) is not called or name not in _HELPED | (
-            _MORE if full else {""}
-        ):
+        allowed = _HELPED if self.dialect.header else _HELPED | _MORE
+        if getattr(math, name, None) is not called or name not in allowed:
             self.unknown(node)
-        if name in _ROUNDED and full:
-            return f"({self.gathered.dialect.whole}){name}({texts[0]})"
-        if full or name in _LIBRARY:
-            return f"{name}({', '.join(texts)})"
-        return self._helper(name, texts)
+        if self.dialect.header and name not in _LIBRARY:
+            return self._helper(name, texts)
+        rounded = f"({self.dialect.whole})" if name in _ROUNDED else ""
+        return f"{rounded}{name}({', '.join(texts)})"
 
     def _helper(self, name: str, texts: list[str]) -> str:
         self.gathered.helpers.add(name)

@@ -8,18 +8,12 @@ import ast
 from collections.abc import Mapping
 from typing import Any
 
+from frictionjoint.compiled import is_tuple
 from frictionjoint.library import Entry, Parameter
 from frictionjoint.translate.c_expressions import Called
 from frictionjoint.translate.c_functions import Translation
 from frictionjoint.translate.kernel import Kernel, signature
-from frictionjoint.translate.kinds import (
-    LIBRARY,
-    NOTHING,
-    POINTERS,
-    fields_of,
-    is_structure,
-    is_tuple,
-)
+from frictionjoint.translate.kinds import LIBRARY, NOTHING, fields_of, is_structure
 
 _HEAD = """/* The kernels of frictionjoint, written by frictionjoint.translate. */
 #include <math.h>
@@ -73,13 +67,11 @@ def _shown(called: Called, typed: Kernel) -> str:
     declared: list[str] = []
     given: list[str] = []
     for name, kind in typed.kinds.items():
-        space = "" if kind in POINTERS or is_structure(kind) else " "
         if is_tuple(kind):
             declared.append(f"const {kind} *{name}_")
             given.append(f"*{name}_")
             continue
-        const = "const " if is_structure(kind) else ""
-        declared.append(f"{const}{LIBRARY.type_of(kind)}{space}{name}_")
+        declared.append(f"{LIBRARY.declared(kind)}{name}_")
         given.append(f"{name}_")
         for axis in sorted(called.axes.get(name, ())):
             declared.append(f"int64_t {name}_n{axis}")

@@ -11,7 +11,7 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from frictionjoint.compiled import pointer, room
+from frictionjoint.compiled import is_tuple, pointer, room
 from frictionjoint.translate.c_expressions import Called, Expressions, Gathered, safe
 from frictionjoint.translate.c_math import helpers_of
 from frictionjoint.translate.kernel import Known, signature
@@ -22,8 +22,6 @@ from frictionjoint.translate.kinds import (
     REALS,
     Dialect,
     definitions,
-    is_structure,
-    is_tuple,
     structure_definitions,
 )
 from frictionjoint.translate.simple_statements import names_in, stored_in
@@ -120,26 +118,20 @@ class _Function(Expressions):
         read = names_in(ast.Module(self.body, []))
         lines = [f"(void){safe(name)};" for name in self.parameters if name not in read] + lines
         taken = [one for name in self.parameters for one in self._parameter(name)]
-        head = "static inline" if not self.gathered.dialect.full else "static"
-        if self.in_line and self.gathered.dialect.full:
+        head = "static inline" if self.dialect.header else "static"
+        if self.in_line and not self.dialect.header:
             head = "FJ_IN_LINE"
-        result = self.gathered.dialect.type_of(self.result)
+        result = self.dialect.type_of(self.result)
         start = _wrapped(f"{head} {result} fj_{self.name}({', '.join(taken) or 'void'})")
         inner = "\n".join(_wrapped("    " + line) for line in lines)
         return f"{comment(doc)}{start}\n{{\n{inner}\n}}"
 
     def _parameter(self, name: str) -> list[str]:
         kind = self.kinds[name]
-        whole = self.gathered.dialect.whole
-        const = self.gathered.dialect.constant and kind == REALS and name not in self.written
-        own = f"{'const ' if const else ''}{self._declared_as(kind)}{safe(name)}"
+        whole = self.dialect.whole
+        const = self.dialect.header and kind == REALS and name not in self.written
+        own = f"{'const ' if const else ''}{self.dialect.declared(kind)}{safe(name)}"
         return [own, *(f"{whole} {safe(name)}_n{k}" for k in sorted(self.axes.get(name, ())))]
-
-    def _declared_as(self, kind: str) -> str:
-        """A C type as written before a name."""
-        if is_structure(kind):
-            return f"const {kind}"
-        return kind if kind in POINTERS else f"{self.gathered.dialect.type_of(kind)} "
 
     def _assigned(self) -> list[tuple[str, ast.expr]]:
         nodes = (n for statement in self.body for n in ast.walk(statement))
@@ -165,7 +157,7 @@ class _Function(Expressions):
 
     def _empty(self, name: str) -> str:
         kind = self.kinds[name]
-        return f"{self._declared_as(kind)}{safe(name)} = {'{0}' if is_tuple(kind) else '0'};"
+        return f"{self.dialect.declared(kind)}{safe(name)} = {'{0}' if is_tuple(kind) else '0'};"
 
     def _is_new(self, name: str) -> bool:
         return name in self.kinds and name not in self.declared | self.counters | self.rooms
@@ -189,8 +181,11 @@ class _Function(Expressions):
             return [f"{type(node).__name__.lower()};"]
         self.unknown(node)
 
-    def _inner(self, body: list[ast.stmt], after: set[str]) -> list[str]:
+    def _inner(
+        self, body: list[ast.stmt], after: set[str], counter: str | None = None
+    ) -> list[str]:
         before = set(self.declared)
+        self.declared |= {counter} if counter else set()
         lines = ["    " + line for line in self._block(body, after)]
         self.declared = before
         return lines
@@ -214,17 +209,14 @@ class _Function(Expressions):
         call = node.iter
         if ast.unparse(call.func) != "range" or len(call.args) > 3:
             self.unknown(node)
-        whole, name = self.gathered.dialect.whole, safe(counter.id)
+        whole, name = self.dialect.whole, safe(counter.id)
         bounds = ["0", *map(self.text, call.args[:2])][-2:]
         step = f"{name} += {self.text(call.args[2])}" if len(call.args) == 3 else f"{name}++"
         end, first = bounds[1], f"{whole} {name} = {bounds[0]}"
         if not self._stays(call.args[min(len(call.args), 2) - 1], node.body):
             end, first = f"{name}_end", f"{first}, {name}_end = {end}"
         head = f"for ({first}; {name} < {end}; {step}) {{"
-        self.declared.add(counter.id)
-        inner = self._inner(node.body, after)
-        self.declared.discard(counter.id)
-        return [head, *inner, "}"]
+        return [head, *self._inner(node.body, after, counter.id), "}"]
 
     def _stays(self, bound: ast.expr, body: list[ast.stmt]) -> bool:
         """Whether the end of a loop clearly has the same value in each iteration."""
@@ -234,13 +226,11 @@ class _Function(Expressions):
 
     def _over_constants(self, node: ast.For, name: str, after: set[str]) -> list[str]:
         array, place = self.array_of(node.iter), f"{name}_at"
-        whole, count = self.gathered.dialect.whole, len(self.look_up(node.iter))
+        whole, count = self.dialect.whole, len(self.look_up(node.iter))
         head = f"for ({whole} {place} = 0; {place} < {count}; {place}++) {{"
-        kind = self.gathered.dialect.type_of(self.kinds[name])
-        self.declared.add(name)
-        inner = self._inner(node.body, after)
-        self.declared.discard(name)
-        return [head, f"    {kind} {safe(name)} = {array}[{place}];", *inner, "}"]
+        kind = self.dialect.declared(self.kinds[name])
+        inner = self._inner(node.body, after, name)
+        return [head, f"    {kind}{safe(name)} = {array}[{place}];", *inner, "}"]
 
     # assignments
 
@@ -269,7 +259,7 @@ class _Function(Expressions):
         text = self.as_kind(value, kind)
         if self._is_new(target.id):
             self.declared.add(target.id)
-            return [f"{self._declared_as(kind)}{safe(target.id)} = {text};"]
+            return [f"{self.dialect.declared(kind)}{safe(target.id)} = {text};"]
         return [f"{safe(target.id)} = {text};"]
 
     def _point(self, name: str, value: ast.expr) -> None:
@@ -291,7 +281,7 @@ class _Function(Expressions):
         count = f"{name}_n0"
         self.lengths[name] = count
         return [
-            f"{self.gathered.dialect.whole} {count} = {text};",
+            f"{self.dialect.whole} {count} = {text};",
             f"double {name}[{count} > 0 ? {count} : 1];",
             f"memset({name}, 0, sizeof({name}));",
         ]

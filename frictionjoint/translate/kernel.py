@@ -11,17 +11,15 @@ import textwrap
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
-from frictionjoint.compiled import External, Table, pointer, room
+from frictionjoint.compiled import External, Table, elements, is_tuple, pointer, room
 from frictionjoint.errors import ModelError
 from frictionjoint.translate.kinds import (
     DOUBLE,
     POINTERS,
     REALS,
     WHOLE,
-    elements,
     fields_of,
     is_structure,
-    is_tuple,
     kind_of,
     tuple_of,
 )
@@ -71,7 +69,7 @@ class Kernel:
         """
         doc = ast.get_docstring(self.tree)
         body = self._fold(self.tree.body[1:] if doc else self.tree.body, known or {}, left_out)
-        self.body = plain(_without_unread(body), iter(self._new_name, ""))
+        self.body = plain(without_unread(body), iter(self._new_name, ""))
         self._infer()
 
     @property
@@ -313,8 +311,8 @@ def place(node: ast.expr) -> int:
     raise ModelError(f"a tuple is taken apart by constants, not by {ast.unparse(node)!r}")
 
 
-def _without_unread(body: list[ast.stmt]) -> list[ast.stmt]:
-    """A body without simple assignments whose values nothing reads after branches were left out."""
+def without_unread(body: list[ast.stmt]) -> list[ast.stmt]:
+    """A body without simple assignments of values that nothing reads."""
     nodes = [n for n in ast.walk(ast.Module(body, [])) if isinstance(n, ast.Name)]
     read = {n.id for n in nodes if isinstance(n.ctx, ast.Load)}
 
@@ -325,4 +323,5 @@ def _without_unread(body: list[ast.stmt]) -> list[ast.stmt]:
         simple = all(ast.unparse(call.func) in ("int", "float") for call in calls)
         return simple and all(isinstance(t, ast.Name) and t.id not in read for t in node.targets)
 
-    return [node for node in body if not unread(node)]
+    kept = [node for node in body if not unread(node)]
+    return kept if len(kept) == len(body) else without_unread(kept)

@@ -13,6 +13,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from frictionjoint.compiled import TUPLE, elements, is_tuple
+
 DOUBLE, WHOLE, NOTHING = "double", "int", "void"
 REALS, WHOLES, FLAGS, SHORTS, ADDRESS = (
     "double *",
@@ -23,7 +25,7 @@ REALS, WHOLES, FLAGS, SHORTS, ADDRESS = (
 )
 POINTERS = {REALS: DOUBLE, WHOLES: WHOLE, FLAGS: WHOLE, SHORTS: WHOLE, ADDRESS: WHOLE}
 """Kinds of arrays, and the kind of their elements."""
-_TUPLE, _STRUCTURE = "fj_tuple_", "fj_struct_"
+_STRUCTURE = "fj_struct_"
 _LETTERS = {DOUBLE: "d", WHOLE: "i"}
 _NAMES = {
     "float": DOUBLE,
@@ -47,21 +49,26 @@ class Dialect:
 
     Attributes:
         whole: type of integers.
-        full: whether all mathematical functions of the C library may be called.
-        constant: whether pointers that are only read from are marked as const.
+        header: whether it is for a header: its functions are inline, pointers that are only read
+            from are const, and of the C library only exp, log and pow are called.
     """
 
     whole: str
-    full: bool
-    constant: bool
+    header: bool
 
     def type_of(self, kind: str) -> str:
         """C type of a kind."""
         return self.whole if kind == WHOLE else kind
 
+    def declared(self, kind: str) -> str:
+        """C type of a kind as it is written before a name; a structure is never written to."""
+        if is_structure(kind):
+            return f"const {kind}"
+        return kind if kind in POINTERS else f"{self.type_of(kind)} "
 
-LIBRARY = Dialect("int64_t", full=True, constant=False)
-HEADER = Dialect("int", full=False, constant=True)
+
+LIBRARY = Dialect("int64_t", header=False)
+HEADER = Dialect("int", header=True)
 
 
 def kind_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> str | None:
@@ -132,33 +139,11 @@ def row_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> int:
 
 def tuple_of(kinds: Iterable[str]) -> str:
     """Kind of a tuple of values of the given kinds."""
-    return _TUPLE + _mangled(kinds)
-
-
-def is_tuple(kind: str | None) -> bool:
-    """Whether a kind is a tuple."""
-    return kind is not None and kind.startswith(_TUPLE)
-
-
-def elements(kind: str) -> list[str]:
-    """Kinds of the elements of a tuple."""
-    found: list[str] = []
-    text, depth, start = kind.removeprefix(_TUPLE)[1:-1], 0, 0
-    for i, letter in enumerate(text):
-        if letter == "T":
-            start = i if depth == 0 else start
-            depth += 1
-        elif letter == "E":
-            depth -= 1
-            if depth == 0:
-                found.append(_TUPLE + text[start : i + 1])
-        elif depth == 0:
-            found.append(DOUBLE if letter == "d" else WHOLE)
-    return found
+    return TUPLE + _mangled(kinds)
 
 
 def _mangled(kinds: Iterable[str]) -> str:
-    return f"T{''.join(_LETTERS.get(k) or k.removeprefix(_TUPLE) for k in kinds)}E"
+    return f"T{''.join(_LETTERS.get(k) or k.removeprefix(TUPLE) for k in kinds)}E"
 
 
 AXES = 3
@@ -171,7 +156,7 @@ def structure_definitions(named: Iterable[Any], dialect: Dialect) -> list[str]:
     for one in named:
         lines = []
         for name, kind in fields_of(one).items():
-            lines.append(f"    {kind if kind in POINTERS else dialect.type_of(kind) + ' '}{name};")
+            lines.append(f"    {dialect.declared(kind)}{name};")
             if kind in POINTERS:
                 lines.append(f"    {dialect.whole} {name}_n[{AXES}];")
         name = structure_of(one).removesuffix(" *")
@@ -188,7 +173,7 @@ def definitions(kinds: Iterable[str], dialect: Dialect) -> list[str]:
         for part in parts:
             if is_tuple(part) and part not in done:
                 add(part)
-        fields = " ".join(f"{dialect.type_of(part)} _{i};" for i, part in enumerate(parts))
+        fields = " ".join(f"{dialect.declared(part)}_{i};" for i, part in enumerate(parts))
         done[kind] = f"typedef struct {{ {fields} }} {kind};"
 
     for kind in sorted(kinds):

@@ -12,9 +12,9 @@ import textwrap
 from collections.abc import Iterable
 from typing import Any
 
-from frictionjoint.compiled import room
+from frictionjoint.compiled import elements, is_tuple, room
 from frictionjoint.translate.kernel import Kernel, built_in, is_kernel, signature
-from frictionjoint.translate.kinds import DOUBLE, WHOLE, elements, is_tuple
+from frictionjoint.translate.kinds import DOUBLE, WHOLE
 from frictionjoint.translate.simple_statements import names_in, stored_in
 
 _MATH = {"exp", "log", "sin", "cos", "tan", "atan", "tanh", "isnan", "sqrt"}
@@ -248,9 +248,6 @@ class _Function(Kernel):
         return _name(name)
 
     def _binary(self, node: ast.BinOp) -> ast.expr:
-        if isinstance(node.op, ast.Pow) and ast.unparse(node.right) == "2":
-            base = self._visit(node.left)
-            return ast.BinOp(base, ast.Mult(), base)
         kind = self.kind(node)
         left, right = (self._as_kind(side, kind) for side in (node.left, node.right))
         return ast.BinOp(left, node.op, right)

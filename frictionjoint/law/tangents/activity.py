@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from frictionjoint.law.tangents.terms import expression
-from frictionjoint.translate.kernel import Kernel, is_kernel, signature
+from frictionjoint.translate.kernel import Kernel, is_kernel, signature, without_unread
 from frictionjoint.translate.kinds import DOUBLE, NOTHING, REALS
 
 
@@ -181,20 +181,7 @@ def _without_value(body: list[ast.stmt]) -> list[ast.stmt]:
     for node in (n for statement in body for n in ast.walk(statement)):
         if isinstance(node, ast.Return):
             node.value = None
-    if isinstance(body[-1], ast.Return):
-        body = body[:-1]
-    while True:
-        names = [n for s in body for n in ast.walk(s) if isinstance(n, ast.Name)]
-        used = {n.id for n in names if isinstance(n.ctx, ast.Load)}
-        left = [s for s in body if not (isinstance(s, ast.Assign) and _sets_none_of(used, s))]
-        if len(left) == len(body):
-            return left
-        body = left
-
-
-def _sets_none_of(used: set[str], node: ast.Assign) -> bool:
-    target = node.targets[0]
-    return isinstance(target, ast.Name) and target.id not in used
+    return without_unread(body[:-1] if isinstance(body[-1], ast.Return) else body)
 
 
 def _parts(node: ast.expr) -> list[ast.expr]:

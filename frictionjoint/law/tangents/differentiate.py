@@ -179,11 +179,6 @@ class Differentiated:
             return self._binary(node, before)
         if isinstance(node, ast.Call):
             return self._function(node, before)
-        if isinstance(node, ast.IfExp):
-            inside: tuple[list[str], list[str]] = ([], [])
-            pairs = zip((node.body, node.orelse), inside, strict=True)
-            parts = [self._differentiate(part, lines) for part, lines in pairs]
-            return self._choice(self._test(node.test), parts, before, inside)
         self.activity.unknown(node)
 
     def _binary(self, node: ast.BinOp, before: list[str]) -> tuple[ast.expr, Terms]:
@@ -228,28 +223,14 @@ class Differentiated:
     def _extreme(
         self, called: str, parts: list[tuple[ast.expr, Terms]], before: list[str]
     ) -> tuple[ast.expr, Terms]:
+        """The smaller or the larger of two values, chosen by an `if` statement in front."""
         order = ("<=", ">=") if called == "min" else (">=", "<=")
         a, b = (text(value) for value, _ in parts)
         constant = isinstance(parts[0][0], ast.Constant)
         test = f"{b} {order[1]} {a}" if constant else f"{a} {order[0]} {b}"
-        return self._choice(test, parts, before)
-
-    def _choice(
-        self,
-        test: str,
-        parts: list[tuple[ast.expr, Terms]],
-        before: list[str],
-        inside: tuple[list[str], list[str]] = ([], []),
-    ) -> tuple[ast.expr, Terms]:
-        """A conditional expression as an `if` statement in front; `inside` precedes each of its
-        values.
-        """
         name = self._new()
-        for head, lines, (value, terms) in zip(
-            (f"if {test}:", "else:"), inside, parts, strict=True
-        ):
-            chosen = f"{name}, {name}_t = {text(value)}, {combined(terms)}"
-            before += [head, *_indented([*lines, chosen])]
+        for head, (value, terms) in zip((f"if {test}:", "else:"), parts, strict=True):
+            before += [head, f"    {name}, {name}_t = {text(value)}, {combined(terms)}"]
         return expression(name), alone(f"{name}_t")
 
     def _call(self, node: ast.Call, wanted: bool, before: list[str]) -> str:

@@ -17,11 +17,6 @@ from frictionjoint.law.stribeck import DELTA, FC, FS, VS, ZERO
 from frictionjoint.law.tangents.direction import ZERO as STILL
 from frictionjoint.law.tangents.direction import Tangent, Tangents, at, scaled, sum2, sum3
 
-_advance = relaxation.advance
-_distance = relaxation.distance
-_rate = relaxation.rate
-_remaining = dahl.remaining
-
 
 @in_line
 def stribeck_level(
@@ -54,27 +49,27 @@ def stribeck_level(
 def rate(r: float, r_t: Tangent, n: float) -> tuple[float, Tangent]:
     """1 - sgn(r) |r|**n and its tangent; the exponent n has none."""
     slope = n if n == 1.0 else n * relaxation.power(abs(r), n - 1.0)
-    return _rate(r, n), scaled(-slope, r_t)
+    return relaxation.rate(r, n), scaled(-slope, r_t)
 
 
 @in_line
 def advance(r: float, r_t: Tangent, a: float, a_t: Tangent, n: float) -> tuple[float, Tangent]:
     """Solution of dr/da = rate(r) after a displacement a from r, and its tangent."""
-    end = _advance(r, a, n)
-    at_end = _rate(end, n)
+    end = relaxation.advance(r, a, n)
+    at_end = relaxation.rate(end, n)
     # Nearer to r = 1 than the square root of the spacing of doubles rounding destroys the ratio of
     # the rates, and the flow is linear to the same accuracy.
-    kept = at_end / _rate(r, n) if abs(1.0 - r) > 1.5e-8 else math.exp(-n * a)
+    kept = at_end / relaxation.rate(r, n) if abs(1.0 - r) > 1.5e-8 else math.exp(-n * a)
     return end, sum2(kept, r_t, at_end, a_t)
 
 
 @in_line
 def distance(r0: float, r0_t: Tangent, r1: float, r1_t: Tangent, n: float) -> tuple[float, Tangent]:
     """Inverse of `advance`: the integral of 1 / rate, and its tangent, zero if it is infinite."""
-    a = _distance(r0, r1, n)
+    a = relaxation.distance(r0, r1, n)
     if a == math.inf:
         return a, STILL
-    return a, sum2(1.0 / _rate(r1, n), r1_t, -1.0 / _rate(r0, n), r0_t)
+    return a, sum2(1.0 / relaxation.rate(r1, n), r1_t, -1.0 / relaxation.rate(r0, n), r0_t)
 
 
 @compiled
@@ -85,7 +80,7 @@ def remaining(
 
     The solution is w1**e = w**e - e a with e = 1 - i; the formulas also hold for e = 0.
     """
-    end = _remaining(w, a, i)
+    end = dahl.remaining(w, a, i)
     if end <= 0.0:
         return end, STILL
     e = 1.0 - i
