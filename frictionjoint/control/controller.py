@@ -1,7 +1,7 @@
 """A position controller: gains, limits, delays."""
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
 import tomlkit
@@ -149,7 +149,7 @@ def _check_number(name: str, value: Any) -> None:
     endless = name in ("limit", "drop_above", "target_rate")
     if not endless and math.isinf(value):
         raise ParameterError(f"{name} is {value}: give a finite number")
-    if name in ("feed_forward",):
+    if name == "feed_forward":
         return
     above = name in ("limit", "drop_above", "target_rate", "supply_v", "gain_unit")
     if value < 0.0 or (above and value == 0.0):
@@ -166,11 +166,3 @@ def unknown_notes(controller: Controller) -> tuple[str, ...]:
         "The controller's kd is unknown and assumed to be 0. Where the drive is made from the "
         "controller; the identified viscous friction includes its damping.",
     )
-
-
-def without_unknowns(controller: Controller) -> Controller:
-    """A controller without its unknown entries, except kp, kd and supply_v."""
-    nothing = {"limit": math.inf, "deadband": 0.0, "delay_s": 0.0, "drop_above": math.inf}
-    nothing |= {"sag": 0.0, "target_rate": math.inf}
-    changed = {name: x for name, x in nothing.items() if getattr(controller, name) == UNKNOWN}
-    return replace(controller, **changed)  # type: ignore[arg-type]

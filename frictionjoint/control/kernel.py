@@ -11,8 +11,6 @@ Block ``B``: see the names below. State ``S``: memory of a controller between ti
 
 import math
 
-import numpy as np
-
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled, in_line
 
@@ -121,7 +119,4 @@ def along(
 
 def one_tick(B: Array, S: Array, t: float, target: float, q: float, v: float) -> float:
     """One tick, for a simulation that steps in Python; S of shape (STATE,), zero at first."""
-    drive = np.empty(1)
-    one = np.ones(1)
-    along(B, t * one, target * one, q * one, v * one, one, drive, S)
-    return float(drive[0])
+    return tick(B, S, t, target, q, v, 1.0)

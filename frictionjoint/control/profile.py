@@ -54,14 +54,9 @@ def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
     """
     if math.isinf(rate):
         return held(time, command, at)
-    return np.interp(at, *_corners(time, command, rate))
-
-
-def _corners(time: Array, command: Array, rate: float) -> tuple[Array, Array]:
-    """Times and positions between which a speed-limited target is linear, shape (2 n,) each."""
     path = np.empty((2, 2 * len(time)))
     fill_corners(time, command, len(time), max(rate, 1e-9), path)
-    return path[AT], path[PLACE]
+    return np.asarray(np.interp(at, path[AT], path[PLACE]))
 
 
 @compiled
@@ -147,7 +142,7 @@ def last_before(at: Vector, n: int, t: float, near: int) -> int:
 
 @compiled
 def fill_corners(time: Vector, command: Vector, n: int, rate: float, path: Array) -> None:
-    """Fill the rows AT and PLACE of `path`, shape (2, 2 n) at least, see `_corners`."""
+    """Fill the rows AT and PLACE of `path`, shape (2, 2 n) at least: between them it is linear."""
     here = command[0]
     for k in range(n):
         path[AT, 2 * k], path[PLACE, 2 * k] = time[k], here

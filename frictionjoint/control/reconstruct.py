@@ -48,7 +48,11 @@ class Commands:
         """Drive at each sample, from the controller's tick at that sample."""
         at = self.time - self.delay
         target = followed(self.time, self.target, at, self.block[k.SLEW])
-        return self._along(target, self.block)
+        block, drive = self.block.copy(), np.empty_like(self.time)
+        block[k.SLEW] = np.inf  # the target has been followed already
+        given = (self.time, target, self.position, self.velocity, self.supply)
+        k.along(block, *given, drive, np.zeros(k.STATE))
+        return np.where(self.on, drive, 0.0)
 
     def mean_drive(self, block: Array | None = None, delay: float | None = None) -> Array:
         """Mean drive around each sample, for this controller or another block or delay.
@@ -58,23 +62,6 @@ class Commands:
         delay = self.delay if delay is None else delay
         block = self.block if block is None else block
         return AllCommands([self]).mean_drive(block[None], np.array([delay]))
-
-    def _along(self, target: Array, block: Array) -> Array:
-        """Drive for a target to which the speed limit has already been applied."""
-        block = block.copy()
-        block[k.SLEW] = np.inf
-        drive = np.empty_like(self.time)
-        k.along(
-            block,
-            self.time,
-            target,
-            self.position,
-            self.velocity,
-            self.supply,
-            drive,
-            np.zeros(k.STATE),
-        )
-        return np.where(self.on, drive, 0.0)
 
 
 class AllCommands:
