@@ -142,7 +142,7 @@ def last_before(at: Vector, n: int, t: float, near: int) -> int:
 
 @compiled
 def fill_corners(time: Vector, command: Vector, n: int, rate: float, path: Array) -> None:
-    """Fill the rows AT and PLACE of `path`, shape (2, 2 n) at least: between them it is linear."""
+    """Fill the rows AT and PLACE of `path`, shape (2, 2 n) at least, with a target's corners."""
     here = command[0]
     for k in range(n):
         path[AT, 2 * k], path[PLACE, 2 * k] = time[k], here

@@ -17,14 +17,14 @@ from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.signals import GEAR, GX, GY, LOAD, MOTOR, TEMP
 from frictionjoint.errors import ModelError
 from frictionjoint.export.scripts import rendered
-from frictionjoint.joint_friction import JointFriction, SimulatedEffect
+from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameter_checks import LEVELS, SIDES
 from frictionjoint.parameters import Friction
 from frictionjoint.rivals import MaxwellSlipParameters
 from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import row_size, torque_now
-from frictionjoint.translate.c_functions import name_of, source
+from frictionjoint.translate.c_functions import Translation, name_of
 from frictionjoint.translate.kernel import Known
 
 # what the caller gives besides the motion: signals, and arguments of `effects_torque`
@@ -82,7 +82,7 @@ def header(friction: Mapping[str, JointFriction], guard: str) -> str:
         "friction.h.j2",
         guard=f"FRICTIONJOINT_{_identifier(guard).upper()}",
         joints=joints,
-        source=source(functions, _known(friction.values())),
+        source=Translation(functions, _known(friction.values())).text(),
         torque=name_of(torque_now),
         effects=f"{name_of(effects_torque)}({_effect_arguments()})" if with_effects else "",
         state=max(joint.state for joint in joints),
@@ -126,7 +126,8 @@ def _joint(name: str, carried: JointFriction) -> CJoint:
     labels = [*_law_labels(carried.parameters, law), "number of effects"]
     values = [*law, float(len(carried.effects))]
     for effect in carried.effects:
-        labels += _effect_labels(effect)
+        own = (*effect.effect.shape, *effect.effect.coefficients)
+        labels += [f"effect: {effect.effect.name}", "its numbers", *own]
         values += list(effect.pack())
     return CJoint(
         name=name,
@@ -152,11 +153,6 @@ def _law_labels(parameters: Friction, block: Array) -> list[str]:
         pairs = range(len(parameters.elements))
         own = ["C", "elements", *(f"{x}[{i}]" for i in pairs for x in ("k", "share"))]
     return [first, "sigma1", *_LEVELS, *own]
-
-
-def _effect_labels(effect: SimulatedEffect) -> list[str]:
-    names = [*effect.effect.shape, *effect.effect.coefficients]
-    return [f"effect: {effect.effect.name}", "its numbers", *names]
 
 
 def _number(value: float) -> str:

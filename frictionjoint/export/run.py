@@ -116,11 +116,9 @@ def export(
     if lugre and target != "native":
         raise ModelError(f"{target} has no LuGre friction: leave out --lugre")
     if target in _WHOLE:
-        done = _whole(task)
-        return replace(done, lost=done.lost + waves)
-    motions = _motions(task, speeds, log, columns or {})
-    friction = {name: friction[name] for name in motions}
-    of_mjx = target == "mjx"
+        text, lost = _whole(task, model)
+        return Exported(text, (*lost, *waves))
+    motions = _motions(task, model, speeds, log, columns or {})
     # coefficients of damping; MuJoCo's own is a polynomial
     terms = 3 if target == "native" else 1
     fast = target == "isaac" and speeds is None and log is None
@@ -139,28 +137,32 @@ def export(
     if lugre:
         fitted = {n: lugre_friction(friction[n].parameters, motions[n]) for n in motions}
         actuators = {name: lugre_torque(fitted[name], motions[name]) for name in motions}
-        text, model = _written(lambda spec: add_lugre(spec, fitted, plain), task)
+        text, exported = _written(lambda spec: add_lugre(spec, fitted, plain), task)
     elif yielding:
         springs = _springs(bare, friction, plain)
-        text, model = _written(lambda spec: add_yield_springs(spec, springs, plain), task)
+        text, exported = _written(lambda spec: add_yield_springs(spec, springs, plain), task)
         softened = {name: x.softened for name, x in springs.items()}
     else:
-        text, model = _PLAIN[target](task, plain)
+        text, exported = _PLAIN[target](task, plain)
     # a joint slides once 99% of the change of friction behind a reversal is done
     before_sliding = {
         name: presliding_distance(friction[name].parameters, 0.99) for name in motions
     }
-    found = losses(task.rigid(), bare, model, motions, actuators, before_sliding)
-    refused = [f"MJX refuses {x}" for x in fit_for_mjx(task.spec())] if of_mjx else []
+    found = losses(task.rigid(), bare, exported, motions, actuators, before_sliding)
+    refused = [f"MJX refuses {x}" for x in fit_for_mjx(task.spec())] if target == "mjx" else []
     return Exported(text, (*_lost(task, plain, bare, softened), *refused, *waves), tuple(found))
 
 
 def _motions(
-    task: _Task, speeds: tuple[float, float] | None, log: Path | None, columns: Mapping[str, str]
+    task: _Task,
+    model: mujoco.MjModel,
+    speeds: tuple[float, float] | None,
+    log: Path | None,
+    columns: Mapping[str, str],
 ) -> dict[str, Motion]:
     if log is not None:
         return log_motions(log, list(task.friction), columns)
-    model, found = load_model(task.path), {}
+    found = {}
     for name, carried in task.friction.items():
         joint = model.joint(name).id
         start = float(model.qpos0[model.jnt_qposadr[joint]])
@@ -169,12 +171,11 @@ def _motions(
     return found
 
 
-def _whole(task: _Task) -> Exported:
+def _whole(task: _Task, model: mujoco.MjModel) -> tuple[str, list[str]]:
+    """Text with law and effects as they are, and what is lost nevertheless."""
     if task.target == "c":
-        lost = tuple(c.lost_effects(task.friction))
-        return Exported(c.header(task.friction, task.out.name), lost)
-    model = load_model(task.path)
-    return Exported(scripts.mjlab_text(task.path, task.out, list(task.friction), model), ())
+        return c.header(task.friction, task.out.name), c.lost_effects(task.friction)
+    return scripts.mjlab_text(task.path, task.out, list(task.friction), model), []
 
 
 def _springs(

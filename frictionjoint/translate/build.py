@@ -46,10 +46,8 @@ def build(folder: Path, target: str | None = None) -> Path:
     text, listed = unit(all_kernels())
     digest = hashlib.sha256(f"{FLAGS}{text}".encode()).hexdigest()[:12]
     folder.mkdir(parents=True, exist_ok=True)
-    present = [f for f in folder.glob(f"kernels-{digest}.*") if f.suffix != ".c"]
-    if present and target is None:
-        made = present[0]
-    else:
+    made = next(folder.glob(f"kernels-{digest}.*"), None)
+    if made is None or target is not None:
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             source = Path(scratch) / "kernels.c"
             source.write_text(text, encoding="utf-8")

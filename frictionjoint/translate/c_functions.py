@@ -89,11 +89,6 @@ class Translation:
         )
 
 
-def source(functions: Iterable[Any], known: Known) -> str:
-    """C text of kernels for a header; see `Translation`."""
-    return Translation(functions, known).text()
-
-
 def name_of(function: Any) -> str:
     """The C name of a kernel."""
     return f"fj_{signature(function).name}"
