@@ -54,11 +54,20 @@ class Friction:
     """Parameters of a friction law: validated numbers, files, and the block that a kernel reads.
 
     Raises:
-        ParameterError: a value out of its range; the message names it and the range.
+        ParameterError: a value is missing or out of its range; the message names it and the range.
     """
 
     law: ClassVar[str]
     number: ClassVar[int]
+
+    def __new__(cls, *args: Any, **given: Any) -> Self:
+        """Check the names first: Python's own TypeError for a missing argument states no fix."""
+        check_keys(cls, given)
+        return super().__new__(cls)
+
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]:
+        # what copy and pickle give to __new__
+        return (), vars(self)
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
@@ -107,9 +116,7 @@ class Friction:
             TypeError: `values` is no dict.
         """
         require_table(values)
-        given = both_directions({key: x for key, x in values.items() if key != "law"})
-        check_keys(cls, given)
-        return cls(**given)
+        return cls(**both_directions({key: x for key, x in values.items() if key != "law"}))
 
     def _repr_html_(self) -> str:
         values = self.to_dict().items()

@@ -246,6 +246,7 @@ def test_newton_gets_its_own_words(one_joint, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
+        (["--to", "foo"], "--to foo: give one of native, mjx,"),
         (["--to", "native", "--speeds", "2:1"], "LOW must be above 0"),
         (["--to", "native", "--speeds", "a"], "write LOW:HIGH"),
         (["--to", "native", "--speeds", "1:2", "--log", "x.csv"], "give one of them"),

@@ -1,5 +1,8 @@
 """Validation and packing of the law's parameters."""
 
+import copy
+import pickle
+
 import pytest
 
 from frictionjoint.errors import ParameterError
@@ -58,3 +61,14 @@ def test_unknown_key_and_damaged_block():
         FrictionParameters.from_dict(p.to_dict() | {"Fx": 1.0})
     with pytest.raises(ParameterError, match="damaged"):
         FrictionParameters.unpack(p.pack()[:-1])
+
+
+@pytest.mark.parametrize("given", [{}, {"Fs_pos": 5.0, "Fs_neg": 5.0}])
+def test_a_missing_argument_is_named_with_the_fix(given):
+    with pytest.raises(ParameterError, match=r"missing parameter .*knots .*: add it"):
+        FrictionParameters(**given)
+
+
+def test_copies_are_equal():
+    p = FrictionParameters.symmetric(**GOOD)
+    assert copy.deepcopy(p) == pickle.loads(pickle.dumps(p)) == p

@@ -10,7 +10,7 @@ from frictionjoint.cli.logs import Columns, columns_of
 from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.terminal import progress, show_table
 from frictionjoint.errors import ParameterError
-from frictionjoint.export.targets import Target
+from frictionjoint.export.targets import FILES
 
 
 def export(
@@ -18,7 +18,7 @@ def export(
         Path, typer.Argument(metavar="MODEL", help="MJCF that contains friction, see `install`.")
     ],
     to: Annotated[
-        Target, typer.Option("--to", metavar="TARGET", help="One of the programs above.")
+        str, typer.Option("--to", metavar="TARGET", help="One of the programs above.")
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="PATH", help="File to write, or a folder for it.")
@@ -70,6 +70,8 @@ def export(
     from frictionjoint.export.run import output_file
     from frictionjoint.report.write import write_files
 
+    if to not in FILES:
+        raise ParameterError(f"--to {to}: give one of {', '.join(FILES)}")
     if log is not None and speeds is not None:
         raise ParameterError("--speeds and --log: give one of them")
     file = output_file(out, to)

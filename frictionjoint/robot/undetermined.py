@@ -20,7 +20,7 @@ def undetermined(
         friction: parameters of each joint's law.
     """
     base = base_parameters(found)
-    unseen = _by_owner(found, base.unseen, "without effect", "without any effect on these torques")
+    unseen = _by_owner(found, base.unseen, "without effect", "no effect on these torques")
     rows = [*_sums(found, base), *unseen, *_loose(found, base)]
     for joint, estimates in friction.items():
         status = {n: status_of(n, estimates) for n in estimates}
@@ -48,7 +48,7 @@ def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
         _row(
             "only in sums",
             names,
-            f"{', '.join(names)} of {owner} appear only in sums with parameters of "
+            f"{', '.join(names)} of {owner}: only in sums with parameters of "
             f"{', '.join(dict.fromkeys(partners))}",
             owner=owner,
         )
@@ -70,7 +70,7 @@ def _by_owner(found: Information, at: Sequence[int], kind: str, text: str) -> li
     for k in sorted(at):
         owners.setdefault(found.parameters[k].owner, []).append(found.parameters[k].name)
     return [
-        _row(kind, names, f"{', '.join(names)} of {owner} {text}", owner=owner)
+        _row(kind, names, f"{', '.join(names)} of {owner}: {text}", owner=owner)
         for owner, names in owners.items()
     ]
 
