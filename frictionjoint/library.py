@@ -110,13 +110,12 @@ def _load() -> Library:
 
 def sources() -> list[Path]:
     """Files of this package whose text the library depends on."""
-    return [f for f in sorted(_PACKAGE.rglob("*.py")) if _matters(f)]
-
-
-def _matters(file: Path) -> bool:
-    if file.parent.name in ("translate", "tangents"):
-        return True
-    return b"frictionjoint.compiled import" in file.read_bytes()
+    return [
+        file
+        for file in sorted(_PACKAGE.rglob("*.py"))
+        if file.parent.name in ("translate", "tangents")
+        or b"frictionjoint.compiled import" in file.read_bytes()
+    ]
 
 
 def _is_source_tree() -> bool:
@@ -133,12 +132,12 @@ def stamps(files: list[Path]) -> dict[str, list[int]]:
 
 
 def _is_fresh() -> bool:
-    """Whether the library is up to date: no source has changed, and no new file has kernels."""
+    """Whether the library is there and none of its sources has changed."""
     try:
         listed: dict[str, Any] = json.loads((FOLDER / LISTED).read_text(encoding="utf-8"))
-        known = {_PACKAGE / name for name in listed["sources"]}
-        same = stamps(sorted(known)) == listed["sources"]
-        return bool(same) and (FOLDER / listed["library"]).is_file()
+        known: dict[str, list[int]] = listed["sources"]
+        same = stamps([_PACKAGE / name for name in known]) == known
+        return same and (FOLDER / listed["library"]).is_file()
     except (OSError, ValueError, KeyError):
         return False
 
