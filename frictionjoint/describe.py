@@ -1,6 +1,7 @@
 """Friction of a joint in words and units, for people: `inspect`, comments in models, reports."""
 
 from frictionjoint.effects.catalogue import EVERY
+from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameter_meanings import Value, by_direction, meaning, spelled, unit_of
@@ -29,14 +30,10 @@ def effect_texts(joint: JointFriction, slide: bool) -> tuple[str, ...]:
     """Each effect with its numbers in units."""
     found = []
     for one in joint.effects:
-        effect = one.effect
-        names = (*effect.coefficients, *effect.shape)
-        units = (*effect.units, *effect.shape_units)
-        values = (*one.coefficients, *one.shape)
-        rows = zip(names, values, units, strict=True)
+        effect, values = one.effect, one.named
         numbers = (
-            f"{quantity_of(effect.name, n)} {Value(n, '', x, spelled(u, slide)).text}"
-            for n, x, u in rows
+            f"{quantity_of(effect.name, n)} {Value(n, '', values[n], spelled(unit, slide)).text}"
+            for n, unit in _units(effect).items()
         )
         found.append(f"{effect.title or effect.name}: {', '.join(numbers)}")
     return tuple(found)
@@ -44,14 +41,15 @@ def effect_texts(joint: JointFriction, slide: bool) -> tuple[str, ...]:
 
 def effect_value(effect: str, number: str, value: float, slide: bool) -> tuple[str, str]:
     """What a number of an effect is, and its value with its unit, by their names in a report."""
-    units = {
-        name: unit
-        for e in EVERY
-        if e.name == effect
-        for name, unit in zip((*e.coefficients, *e.shape), (*e.units, *e.shape_units), strict=True)
-    }
+    units = {n: unit for e in EVERY if e.name == effect for n, unit in _units(e).items()}
     unit = spelled(units.get(number, "1"), slide)
     return quantity_of(effect, number), Value(number, "", value, unit).text
+
+
+def _units(effect: Effect) -> dict[str, str]:
+    """Units of an effect's numbers by their names, coefficients first."""
+    names = (*effect.coefficients, *effect.shape)
+    return dict(zip(names, (*effect.units, *effect.shape_units), strict=True))
 
 
 def one_line(name: str, joint: JointFriction, slide: bool) -> str:

@@ -103,33 +103,32 @@ def toml_text_without_scale(parameters: Friction, unit: str) -> str:
     Args:
         unit: A or V; rad or m for friction divided by an unknown kp.
     """
-    document = tomlkit.document()
-    document.add(
-        tomlkit.comment(f"Joint friction in {unit}: its logs do not determine N m/{unit}.")
-    )
-    document.add("unit", unit)
-    for key, value in parameters.to_dict().items():
-        document.add(key, value)
-    return tomlkit.dumps(document)
+    comment = f"Joint friction in {unit}: its logs do not determine N m/{unit}."
+    return tomlkit.dumps(_document(comment, {"unit": unit, **parameters.to_dict()}))
 
 
 def toml_document(
     parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()
 ) -> tomlkit.TOMLDocument:
     """The TOML document of `toml_text`."""
-    document = tomlkit.document()
-    document.add(tomlkit.comment("Joint friction, SI units: N m and rad, or N and m for a slide."))
-    for key, value in parameters.to_dict().items():
-        document.add(key, value)
+    comment = "Joint friction, SI units: N m and rad, or N and m for a slide."
+    document = _document(comment, parameters.to_dict())
     if effects:
         tables = tomlkit.aot()
         for effect in effects:
             table = tomlkit.table()
             table.add("effect", effect.effect.name)
             table.add("form", effect.effect.effect_id)
-            names = (*effect.effect.shape, *effect.effect.coefficients)
-            for name, value in zip(names, (*effect.shape, *effect.coefficients), strict=True):
+            for name, value in effect.named.items():
                 table.add(name, float(value))
             tables.append(table)
         document.add("effects", tables)
+    return document
+
+
+def _document(comment: str, values: Mapping[str, Any]) -> tomlkit.TOMLDocument:
+    document = tomlkit.document()
+    document.add(tomlkit.comment(comment))
+    for key, value in values.items():
+        document.add(key, value)
     return document

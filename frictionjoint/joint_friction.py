@@ -37,12 +37,15 @@ class SimulatedEffect:
         """Shape numbers, then coefficients."""
         return np.array([*self.shape, *self.coefficients], dtype=np.float64)
 
-    def __repr__(self) -> str:
+    @property
+    def named(self) -> dict[str, float]:
+        """`numbers` by their names."""
         names = (*self.effect.shape, *self.effect.coefficients)
-        values = zip(names, (*self.shape, *self.coefficients), strict=True)
-        return (
-            f"SimulatedEffect({self.effect.name}: {', '.join(f'{n}={x:.5g}' for n, x in values)})"
-        )
+        return dict(zip(names, (*self.shape, *self.coefficients), strict=True))
+
+    def __repr__(self) -> str:
+        numbers = ", ".join(f"{name}={x:.5g}" for name, x in self.named.items())
+        return f"SimulatedEffect({self.effect.name}: {numbers})"
 
     def pack(self) -> Array:
         """Id, length, numbers."""

@@ -8,7 +8,6 @@ text is written into a folder, the paths become relative to that folder.
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 from xml.sax.saxutils import quoteattr
 
@@ -39,8 +38,7 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
         before = spec.compile()
         own = Path(spec.modelfiledir or ".").absolute()
         folders = [own, *(part.absolute().parent for part in sources(Path(source)))]
-        for asset, key, place in _files(spec):
-            _set(asset, key, _found(_get(asset, key), place, folders))
+        _name_files_absolutely(spec, folders)
         spec.meshdir = spec.texturedir = ""
         try:
             text = str(spec.to_xml())
@@ -122,33 +120,17 @@ def sources(model: Path, main: Path | None = None) -> Iterator[Path]:
                     yield from sources(home / name, main or model)
 
 
-def _files(spec: mujoco.MjSpec) -> Iterator[tuple[Any, str | tuple[str, int], str]]:
-    """Asset, attribute that names a file of it, and its model's own folder for such files."""
-    for group in (spec.meshes, spec.hfields, spec.skins):
-        for asset in group:
-            if asset.file:
-                yield asset, "file", asset.compiler.meshdir
+def _name_files_absolutely(spec: mujoco.MjSpec, folders: list[Path]) -> None:
+    """Give every asset the absolute path of its file."""
+    for asset in (*spec.meshes, *spec.hfields, *spec.skins):
+        if asset.file:
+            asset.file = _found(asset.file, asset.compiler.meshdir, folders)
     for texture in spec.textures:
+        place = texture.compiler.texturedir
         if texture.file:
-            yield texture, "file", texture.compiler.texturedir
-        for i, name in enumerate(texture.cubefiles):
-            if name:
-                yield texture, ("cubefiles", i), texture.compiler.texturedir
-
-
-def _get(asset: Any, key: str | tuple[str, int]) -> str:
-    if isinstance(key, str):
-        return str(getattr(asset, key))
-    return str(getattr(asset, key[0])[key[1]])
-
-
-def _set(asset: Any, key: str | tuple[str, int], value: str) -> None:
-    if isinstance(key, str):
-        setattr(asset, key, value)
-        return
-    names = list(getattr(asset, key[0]))
-    names[key[1]] = value
-    setattr(asset, key[0], names)
+            texture.file = _found(texture.file, place, folders)
+        if any(texture.cubefiles):
+            texture.cubefiles = [x and _found(x, place, folders) for x in texture.cubefiles]
 
 
 def _found(name: str, place: str, folders: list[Path]) -> str:

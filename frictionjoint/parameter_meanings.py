@@ -71,7 +71,7 @@ def meanings(names: Iterable[str]) -> str:
 def short(fields: Mapping[str, Any]) -> str:
     """Fields of parameters as `name=value`; equal values of both directions appear once."""
     rows = by_direction(fields)
-    return ", ".join(f"{symbol}={_short(fields[x])}" for symbol, x in rows if x != "law")
+    return ", ".join(f"{symbol}={five(fields[x])}" for symbol, x in rows if x != "law")
 
 
 def by_direction(
@@ -89,9 +89,10 @@ def by_direction(
             yield from ((positive, positive), (negative, negative))
 
 
-def _short(x: Any) -> str:
+def five(x: Any, text: Callable[[Any], str] = repr) -> str:
+    """Numbers to five figures; `text` of anything else."""
     if isinstance(x, float):
         return f"{x:.5g}"
     if isinstance(x, Iterable) and not isinstance(x, str):
-        return f"({', '.join(_short(y) for y in x)})"
-    return repr(x)
+        return f"({', '.join(five(y, text) for y in x)})"
+    return text(x)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, Self, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.display import number_table
+from frictionjoint.display import table
 from frictionjoint.errors import ParameterError
 from frictionjoint.parameter_checks import (
     LEVELS,
@@ -23,7 +23,7 @@ from frictionjoint.parameter_checks import (
     require,
     require_table,
 )
-from frictionjoint.parameter_meanings import meaning, short
+from frictionjoint.parameter_meanings import five, meaning, short
 
 Variant = Literal["ganseman1997", "lampaert2002"]
 Virgin = Literal["literal", "masing"]
@@ -119,8 +119,8 @@ class Friction:
         return cls(**both_directions({key: x for key, x in values.items() if key != "law"}))
 
     def _repr_html_(self) -> str:
-        values = self.to_dict().items()
-        return number_table("friction: N m and rad, N and m for a slide", values)
+        rows = ((name, five(x, str)) for name, x in self.to_dict().items())
+        return table("friction: N m and rad, N and m for a slide", ("parameter", "value"), rows)
 
 
 @dataclass(frozen=True, kw_only=True)
