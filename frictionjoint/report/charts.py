@@ -6,13 +6,13 @@ from itertools import pairwise
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.parameters import Friction
 from frictionjoint.report.entries import Curve, SimulatedPosition
+from frictionjoint.report.error_figures import STAGES, Stage
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.turning_points import turns
 from frictionjoint.report.wording import axis, drive_name
@@ -94,21 +94,25 @@ def _worst(time: Array, error: Array) -> tuple[slice, float]:
 def drive_charts(report: Report, s: Stretch, group: str, before: bool) -> tuple[Chart, Chart]:
     """Measured and predicted drive, and the error, over time."""
     c, w = s.curve, s.window
-    name, unit = _drive(report), report.units[0]
-    predicted = [("before", c.before)] if before and report.changed else []
-    predicted.append(("after" if report.changed else "predicted", c.after))
-    above = [over_time(_source(report), c.time[w], c.measured[w], "measured")]
+    name, unit = drive_name(report.units[0], report.slide), report.units[0]
+    source = "controller’s" if report.reconstructed else "measured"
+    above = [over_time(source, c.time[w], c.measured[w], "measured")]
     below = []
-    for label, y in predicted:
-        colour: Colour = "before" if label == "before" else "after"
-        above.append(over_time(label, c.time[w], y[w], colour))
-        below.append(over_time(label, c.time[w], (c.measured - y)[w], colour))
+    for label, stage in _stages(report, "predicted"):
+        if before or stage == "after":
+            y = getattr(c, stage)
+            above.append(over_time(label, c.time[w], y[w], stage))
+            below.append(over_time(label, c.time[w], (c.measured - y)[w], stage))
+    error = f"Error ({source} − predicted)"
     return (
         Chart(name.capitalize(), "time, s", f"{name}, {unit}", tuple(above), group),
-        Chart(
-            f"Error ({_source(report)} − predicted)", "time, s", unit, tuple(below), group, low=True
-        ),
+        Chart(error, "time, s", unit, tuple(below), group, low=True),
     )
+
+
+def _stages(report: Report, unchanged: str) -> list[tuple[str, Stage]]:
+    """Label and stage of each prediction: before and after, or one with a label of its own."""
+    return [(x, x) for x in STAGES] if report.changed else [(unchanged, "after")]
 
 
 def position_charts(
@@ -128,13 +132,10 @@ def position_charts(
     if found.target is not None:
         above.append(over_time("target", t, found.target[on], "target"))
     below = []
-    stages: list[tuple[str, Array, Colour]] = [("after", found.after, "after")]
-    if report.changed:
-        stages.insert(0, ("before", found.before, "before"))
-    for label, x, colour in stages:
-        name = label if report.changed else "simulated"
-        above.append(over_time(name, t, x[on], colour))
-        below.append(over_time(name, t, x[on] - q, colour))
+    for label, stage in _stages(report, "simulated"):
+        x = getattr(found, stage)[on]
+        above.append(over_time(label, t, x, stage))
+        below.append(over_time(label, t, x - q, stage))
     return (
         Chart("Position", "time, s", f"position, {unit}", tuple(above), group),
         Chart("Error (simulated − measured)", "time, s", unit, tuple(below), group, low=True),
@@ -227,35 +228,18 @@ def _against(report: Report, quantity: str) -> Chart:
     on = np.concatenate([c.in_motion for c in curves])
     x = np.concatenate([c.quantities[quantity] for c in curves])[on]
     series = []
-    stages: list[tuple[str, Colour]] = [("after", "after")]
-    if report.changed:
-        stages.insert(0, ("before", "before"))
-    for stage, colour in stages:
+    for name, stage in _stages(report, "friction law"):
         e = np.concatenate([c.measured - getattr(c, stage) for c in curves])[on]
-        label = stage if report.changed else "friction law"
-        series.append(cloud(label, x, e, colour, _POINTS // 2))
-        series.append(Series(f"{label}, mean", *_running_mean(x, e), colour))
+        series.append(cloud(name, x, e, stage, _POINTS // 2))
+        series.append(Series(f"{name}, mean", *_running_mean(x, e), stage))
     label = axis(quantity, report.slide)
     return Chart(f"Error against {label.partition(',')[0]}", label, report.units[0], tuple(series))
 
 
 def small(chart: Chart) -> Chart:
     """The chart with fewer points, for a page with many charts."""
-    series = []
-    for s in chart.series:
-        x, y = thinned(_POINTS // 10, s.x, s.y)
-        series.append(replace(s, x=x, y=y))
-    return replace(chart, series=tuple(series))
-
-
-def _drive(report: Report) -> str:
-    """Name of the drive in a report."""
-    return drive_name(report.units[0], report.slide)
-
-
-def _source(report: Report) -> str:
-    """Source of the drive."""
-    return "controller’s" if report.reconstructed else "measured"
+    thinner = ((s, thinned(_POINTS // 10, s.x, s.y)) for s in chart.series)
+    return replace(chart, series=tuple(replace(s, x=x, y=y) for s, (x, y) in thinner))
 
 
 def over_time(name: str, t: Array, y: Array, colour: Colour) -> Series:
@@ -275,7 +259,7 @@ def cloud(name: str, x: Array, y: Array, colour: Colour, most: int = _POINTS) ->
     return Series(name, x, y, colour, "points")
 
 
-def thinned(most: int, *columns: Array) -> tuple[NDArray[np.float64], ...]:
+def thinned(most: int, *columns: Array) -> tuple[Array, ...]:
     """Every k-th sample."""
     step = max(1, -(-len(columns[0]) // most))
     return tuple(c[::step] for c in columns)

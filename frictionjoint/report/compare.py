@@ -19,7 +19,6 @@ from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.charts import LAW_COLOURS, Chart, Series, sliding
 from frictionjoint.report.html import fill
-from frictionjoint.report.picture import draw_charts, picture
 from frictionjoint.report.summary import summarise
 
 KINDS = (".html", ".png", ".svg")
@@ -167,6 +166,9 @@ def draw(found: list[Compared], kind: str) -> str | bytes:
     """The three panels as a page (.html) or a picture (.png, .svg)."""
     names = [x.name for x in found]
     if kind != ".html":
+        # matplotlib takes a quarter of a second
+        from frictionjoint.report.picture import draw_charts, picture
+
         title = f"friction laws: {', '.join(names)}"
         return picture(draw_charts(panels(found), title), kind.removeprefix("."))
     return fill("compare.html.j2", {}, names=names, panels=panels(found), figures=rows(found))

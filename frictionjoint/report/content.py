@@ -19,10 +19,15 @@ def content_of(result: Any) -> Any:
         names = [field.name for field in dataclasses.fields(result)]
         return {name: content_of(getattr(result, name)) for name in names}
     if isinstance(result, Mapping):
-        return {name: content_of(x) for name, x in result.items()}
+        return table_of(result)
     # JSON has no infinity
     if isinstance(result, float) and math.isinf(result):
         return None
     if isinstance(result, list | tuple):
         return [content_of(x) for x in result]
     return result
+
+
+def table_of(results: Mapping[str, Any]) -> dict[str, Any]:
+    """Results by name, as tables, lists, numbers and texts."""
+    return {name: content_of(x) for name, x in results.items()}

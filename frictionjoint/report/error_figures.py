@@ -65,7 +65,7 @@ def models_differ(content: Content) -> bool:
 
 def errors_of(content: Content, units: tuple[str, str]) -> tuple[ErrorRow, ...]:
     """Every error that is stated, before and after."""
-    drive = drive_of(content, units[0]).split(" ", 1)[1]
+    drive = drive_name(units[0], content.get("slide", False))
     found = []
     followed = "closed_loop_mae" in content["after"]
     kinds = (

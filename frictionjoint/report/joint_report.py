@@ -18,7 +18,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refined_model import RefinedModel
 from frictionjoint.replay.loops import LoopErrors
-from frictionjoint.report.content import content_of
+from frictionjoint.report.content import table_of
 from frictionjoint.report.entries import (
     Added,
     Curve,
@@ -223,8 +223,7 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
-        found: dict[str, Any] = content_of(self._content())
-        return found
+        return table_of(self._content())
 
     def in_robot(self) -> dict[str, Any]:
         """The content for one joint of a robot: without the parts that belong to the robot."""
@@ -232,8 +231,7 @@ class Report:
         own |= {"measured_rms": self.measured_rms, "increase": self.increase, "worse": self.worse}
         if self.torsion:
             own["torsion"] = self.torsion
-        found: dict[str, Any] = content_of(own)
-        return found
+        return table_of(own)
 
     def _staged(self, pair: Intervals | None) -> dict[str, Interval] | None:
         """An interval before and one after, as in report.json; none of another model's errors."""

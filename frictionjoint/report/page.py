@@ -33,24 +33,20 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
     position = charts.worst_position(report)
     # the curves before are those of the errors before, unless causes are shared with other joints
     before = all(row.before is not None for row in s.logs) if s.changed else False
-    drive_part: tuple[charts.Chart, ...] = charts.drive_charts(report, stretch, "stretch", before)
-    position_part: tuple[charts.Chart, ...] = ()
-    position_whole: tuple[charts.Chart, ...] = ()
+    whole = charts.Stretch(stretch.curve, slice(None))
+    in_detail = [*charts.drive_charts(report, stretch, "stretch", before)]
+    in_whole = [*charts.drive_charts(report, whole, "whole", before)]
     if position:
         shown, group, times = position, "position", charts.worst_times(position)
         if not s.position_first:
             at = stretch.curve.name, stretch.curve.role
             same = [x for x in report.positions if (x.name, x.role) == at]
             shown, group, times = [*same, position][0], "stretch", stretch.times
-        position_part = charts.position_charts(report, shown, times, group)
-        position_whole = charts.position_charts(report, shown, None, "whole-position")
-    whole = charts.Stretch(stretch.curve, slice(None))
-    drive_whole: tuple[charts.Chart, ...] = charts.drive_charts(report, whole, "whole", before)
+        place = 0 if s.position_first else len(in_detail)
+        in_detail[place:place] = charts.position_charts(report, shown, times, group)
+        in_whole[place:place] = charts.position_charts(report, shown, None, "whole-position")
     first, others = charts.error_charts(report)
     stiffness = [x.status for x in s.friction if x.name == "stiffness"]
-    in_detail, in_whole = (drive_part, position_part), (drive_whole, position_whole)
-    if s.position_first:
-        in_detail, in_whole = in_detail[::-1], in_whole[::-1]
     return fill(
         "page.html.j2",
         FILTERS,
@@ -60,8 +56,8 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
         position_log=position.name if position and s.position_first else "",
         friction_speed=charts.friction_speed(report),
         presliding=charts.presliding(report) if "determined" in stiffness else None,
-        in_detail=[c for part in in_detail for c in part],
-        in_whole=[c for part in in_whole for c in part],
+        in_detail=in_detail,
+        in_whole=in_whole,
         steps=[step[:8] for step in s.steps],
         widest=max([0.1, *(c.gain for step in s.steps for c in step)]),
         error_charts=first,

@@ -9,7 +9,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rms import Rms
-from frictionjoint.report.content import content_of
+from frictionjoint.report.content import table_of
 from frictionjoint.report.entries import Evidence, LogEntry
 from frictionjoint.report.joint_report import Report, Verdict
 
@@ -154,10 +154,9 @@ class RobotReport:
         names = ("logs", "joints", "failed", "shared", "before", "after", "undetermined")
         joints = {name: joint.in_robot() for name, joint in self.joints.items()}
         own = {name: getattr(self, name) for name in names} | {"joints": joints}
-        found: dict[str, Any] = content_of(own)
         proposals = [self.excitation.text] if self.excitation else []
         end = {"proposals": proposals, "notes": list(self.notes), "verdict": self.verdict}
-        return {"schema": SCHEMA, **found, **end}
+        return {"schema": SCHEMA, **table_of(own), **end}
 
 
 def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:

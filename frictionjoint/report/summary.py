@@ -88,8 +88,14 @@ class Summary:
 
     @property
     def verdict_lines(self) -> tuple[tuple[str, str], ...]:
-        """Label and sentence of each line of the verdict."""
-        return _verdict_lines(self)
+        """Label and sentence of each line: missing, errors, rivals, what to record next."""
+        lines = (
+            ("Missing", _missing(self)),
+            ("Error before and after" if self.changed else "Error", _error_line(self)),
+            ("Could also be", _rivals_line(self)),
+            ("Record next", self.record_next[0] if self.record_next else "nothing in particular."),
+        )
+        return tuple((label, text[0].upper() + text[1:]) for label, text in lines if text)
 
     @property
     def suspected(self) -> tuple[Candidate, ...]:
@@ -180,17 +186,6 @@ def _logs(content: Content) -> tuple[LogRow, ...]:
         )
         for log in content["logs"]
     )
-
-
-def _verdict_lines(s: Summary) -> tuple[tuple[str, str], ...]:
-    """Label and sentence of each line: missing, errors, rivals, what to record next."""
-    lines = (
-        ("Missing", _missing(s)),
-        ("Error before and after" if s.changed else "Error", _error_line(s)),
-        ("Could also be", _rivals_line(s)),
-        ("Record next", s.record_next[0] if s.record_next else "nothing in particular."),
-    )
-    return tuple((label, text[0].upper() + text[1:]) for label, text in lines if text)
 
 
 def _missing(s: Summary) -> str:

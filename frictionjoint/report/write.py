@@ -10,14 +10,13 @@ from pathlib import Path
 
 from frictionjoint.errors import FrictionJointError
 
+# by name of a file
+Contents = Mapping[str, str | bytes]
+Checks = Mapping[str, Callable[[Path], None]]
 _HIDDEN = ".frictionjoint-"
 
 
-def write_files(
-    folder: Path,
-    contents: Mapping[str, str | bytes],
-    checks: Mapping[str, Callable[[Path], None]] | None = None,
-) -> None:
+def write_files(folder: Path, contents: Contents, checks: Checks | None = None) -> None:
     """Write files into a folder, all of them or none, even if the run is interrupted.
 
     They are first written under hidden names. A new folder then gets its name in one step; into an
@@ -39,9 +38,7 @@ def write_files(
         raise FrictionJointError(f"{folder}: cannot write the result: {reason}") from None
 
 
-def _as_new(
-    folder: Path, contents: Mapping[str, str | bytes], checks: Mapping[str, Callable[[Path], None]]
-) -> None:
+def _as_new(folder: Path, contents: Contents, checks: Checks) -> None:
     parent = folder.absolute().parent
     missing = [p for p in (parent, *parent.parents) if not p.exists()]
     staging = None
@@ -60,9 +57,7 @@ def _as_new(
         raise
 
 
-def _into(
-    folder: Path, contents: Mapping[str, str | bytes], checks: Mapping[str, Callable[[Path], None]]
-) -> None:
+def _into(folder: Path, contents: Contents, checks: Checks) -> None:
     hidden = f"{_HIDDEN}{secrets.token_hex(4)}-"
     try:
         _finish(folder, hidden, contents, checks)
@@ -74,12 +69,7 @@ def _into(
                 (folder / (hidden + name)).unlink()
 
 
-def _finish(
-    folder: Path,
-    prefix: str,
-    contents: Mapping[str, str | bytes],
-    checks: Mapping[str, Callable[[Path], None]],
-) -> None:
+def _finish(folder: Path, prefix: str, contents: Contents, checks: Checks) -> None:
     """Write and check all files under names with a prefix."""
     for name, content in contents.items():
         data = content if isinstance(content, bytes) else content.encode()
