@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from frictionjoint.cli.robot import robots_of
-from frictionjoint.errors import LogError
+from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.result import Estimate
 from frictionjoint.parameter_meanings import SIDES
 from frictionjoint.report.units_report import Spread, UnitsReport
@@ -24,7 +24,7 @@ def test_logs_belong_to_the_unit_they_are_given_with():
 
 @pytest.mark.parametrize("text", ["x.csv", "=x.csv", "a=", "a/b=x.csv", "..=x.csv"])
 def test_a_unit_without_a_name_or_a_log_is_refused(text):
-    with pytest.raises(LogError, match="--robot"):
+    with pytest.raises(FrictionJointError, match="--robot"):
         robots_of([text])
 
 

@@ -6,7 +6,7 @@ One function per command; `terminal` prints results, `main` handles errors.
 import signal
 import sys
 import warnings
-from typing import Annotated, Any, NoReturn, TextIO
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -80,11 +80,9 @@ def options(
 app.command(cls=PlainCommand)(demo)
 app.command(cls=PlainCommand)(plot)
 app.command("close-loop", cls=PlainCommand)(close_loop_command)
-_COMMANDS = (
-    *(evaluate, identify, compare, inspect, sample, drift),
-    *(install, uninstall, check, view, export),
-)
-for command in _COMMANDS:
+for command in (evaluate, identify, compare, inspect, sample, drift):
+    app.command(cls=PlainCommand)(command)
+for command in (install, uninstall, check, view, export):
     app.command(cls=PlainCommand)(command)
 app.add_typer(motors, name="motors")
 app.add_typer(data, name="data")
@@ -103,7 +101,8 @@ def main() -> None:
     except FrictionJointError as error:
         _fail(str(error), 2)
     except _UsageError as error:
-        _fail(f"{error.format_message().rstrip('.')}; see {_path(error)} --help", 2)
+        command = error.ctx.command_path if error.ctx else "frictionjoint"
+        _fail(f"{error.format_message().rstrip('.')}; see {command} --help", 2)
     except KeyboardInterrupt:
         code = _INTERRUPTED
     if code == _INTERRUPTED:
@@ -116,23 +115,12 @@ def _fail(text: str, code: int) -> NoReturn:
     raise SystemExit(code)
 
 
-def _path(error: Any) -> str:
-    return error.ctx.command_path if error.ctx else "frictionjoint"
-
-
 def _terminated(number: int, frame: Any) -> NoReturn:
     """Exit normally, so that unfinished files are removed."""
     raise SystemExit(128 + number)
 
 
-def _one_line(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
+def _one_line(message: Warning | str, *where: Any, **named: Any) -> None:
     """Warnings as one line each, once: a model is read several times."""
     text = str(message)
     if text not in _warned:

@@ -1,6 +1,5 @@
 """The command `close-loop`, for one joint, a robot, or several robots of one kind."""
 
-import json
 import shlex
 import sys
 from functools import partial
@@ -23,7 +22,7 @@ from frictionjoint.cli.logs import (
     paths_of,
     reads_logs,
 )
-from frictionjoint.cli.output import Force, Json, Open, open_page, require_writable
+from frictionjoint.cli.output import Force, Json, Open, open_page, print_json, require_writable
 from frictionjoint.cli.robot import robots_of, show_units
 from frictionjoint.cli.terminal import progress, show_report
 from frictionjoint.errors import LogError, ModelError
@@ -153,7 +152,7 @@ def close_loop_command(
             write_report(report, out, command)
             content, show = report.to_dict(), partial(show_report, report)
     if as_json:
-        typer.echo(json.dumps(content, indent=2))
+        print_json(content)
     else:
         show()
         model_file = "" if units else f"   Model: {out / 'model.xml'}"

@@ -1,13 +1,12 @@
 """The command `compare`: laws, parameter sets or reports in one table."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.output import Force, Json, print_json, require_writable
 from frictionjoint.cli.terminal import progress, show_table
 from frictionjoint.errors import ParameterError
 
@@ -84,7 +83,7 @@ def compare(
             say("drawing")
             write_files(out.parent, {out.name: draw(found, out.suffix.lower())})
     if as_json:
-        typer.echo(json.dumps({x.name: x.figures for x in found}, indent=2))
+        print_json({x.name: x.figures for x in found})
         return
     show_table(["", *(x.name for x in found)], ((name, *cells) for name, cells in rows(found)))
     if out is not None:

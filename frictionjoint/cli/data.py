@@ -1,11 +1,10 @@
 """The command `data`: public measured logs, fetched from their authors' repositories."""
 
-import json
 from typing import Annotated
 
 import typer
 
-from frictionjoint.cli.output import Json
+from frictionjoint.cli.output import Json, print_json
 from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
 from frictionjoint.cli.terminal import progress, show_table
 
@@ -34,7 +33,7 @@ def list_command(as_json: Json = False) -> None:
     if as_json:
         shown = ("name", "title", "licence", "source", "files", "logs")
         rows = [{key: getattr(x, key) for key in shown} | {"files": dict(x.files)} for x in found]
-        typer.echo(json.dumps(rows, indent=2))
+        print_json(rows)
         return
     cells = ((x.name, x.title, str(len(x.files)), x.licence, x.source) for x in found)
     show_table(("name", "what", "files", "licence", "source"), cells)
@@ -58,7 +57,7 @@ def get_command(
     logs = [str(folder / log) for log in found.logs]
     if as_json:
         row = {"name": name, "licence": found.licence, "source": found.source, "logs": logs}
-        typer.echo(json.dumps(row, indent=2))
+        print_json(row)
         return
     typer.echo(f"{found.title}\nlicence: {found.licence}\nsource: {found.source}\nlogs:")
     for log in logs:

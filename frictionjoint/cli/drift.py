@@ -1,6 +1,5 @@
 """The command `drift`: whether the friction of a joint still agrees with its report."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -14,7 +13,7 @@ from frictionjoint.cli.logs import (
     log_paths,
     reads_logs,
 )
-from frictionjoint.cli.output import Json
+from frictionjoint.cli.output import Json, print_json
 from frictionjoint.cli.terminal import progress, show_table
 
 
@@ -62,7 +61,7 @@ def drift(
             "drift": bool(changed),
             "numbers": [asdict(x) for x in rows],
         }
-        typer.echo(json.dumps(content, indent=2))
+        print_json(content)
     else:
         cells = (
             (

@@ -1,13 +1,12 @@
 """The command `export`: convert the friction of a model for another program."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from frictionjoint.cli.logs import Columns, columns_of
-from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.output import Force, Json, print_json, require_writable
 from frictionjoint.cli.terminal import progress, show_table
 from frictionjoint.errors import ParameterError
 from frictionjoint.export.targets import FILES
@@ -17,9 +16,7 @@ def export(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MJCF that contains friction, see `install`.")
     ],
-    to: Annotated[
-        str, typer.Option("--to", metavar="TARGET", help="One of the programs above.")
-    ],
+    to: Annotated[str, typer.Option("--to", metavar="TARGET", help="One of the programs above.")],
     out: Annotated[
         Path, typer.Option("--out", metavar="PATH", help="File to write, or a folder for it.")
     ],
@@ -82,7 +79,7 @@ def export(
         write_files(file.parent, {file.name: done.text})
     if as_json:
         losses = [loss.to_dict() for loss in done.losses]
-        typer.echo(json.dumps({"file": str(file), "lost": done.lost, "losses": losses}, indent=2))
+        print_json({"file": str(file), "lost": done.lost, "losses": losses})
         return
     typer.echo(f"Wrote {file}")
     for lost in done.lost:

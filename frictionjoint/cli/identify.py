@@ -1,6 +1,5 @@
 """The command `identify`: the friction law of one joint, without a search for effects."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +17,7 @@ from frictionjoint.cli.logs import (
     reads_logs,
     the_joint,
 )
-from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.output import Force, Json, print_json, require_writable
 from frictionjoint.cli.terminal import console, progress, show_estimates
 from frictionjoint.law.names import LAWS
 
@@ -64,7 +63,7 @@ def identify(
         )
         write_files(out.parent, {out.name: found.to_toml()})
     if as_json:
-        typer.echo(json.dumps(found.to_dict(), indent=2))
+        print_json(found.to_dict())
         return
     show_estimates(list(found.estimates.items()))
     for text in found.notes:

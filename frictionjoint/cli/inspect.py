@@ -1,12 +1,11 @@
 """The command `inspect`: the friction numbers of a model or of a parameter file."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from frictionjoint.cli.output import Json
+from frictionjoint.cli.output import Json, print_json
 from frictionjoint.cli.terminal import console
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -39,7 +38,7 @@ def inspect(
     else:
         rows = _of_model(file)
     if as_json:
-        typer.echo(json.dumps(rows, indent=2))
+        print_json(rows)
         return
     for row in rows:
         lines = [f"{row['joint']}: {row['law']}"]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from frictionjoint.errors import LogError, ModelError
+from frictionjoint.errors import FrictionJointError, LogError, ModelError
 from frictionjoint.law.names import LAWS
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -128,19 +128,12 @@ def models_of(model: list[str]) -> str | dict[str, str]:
     """An MJCF, or one per pattern of log names.
 
     Raises:
-        ModelError: several models, and one of them has no pattern.
+        FrictionJointError: several models, and one of them has no pattern.
     """
     if len(model) == 1 and "=" not in model[0]:
         return model[0]
-    found = {}
-    for text in model:
-        pattern, equals, path = text.partition("=")
-        if not (pattern and equals and path):
-            raise ModelError(
-                f"--model {text}: with several models write PATTERN=MJCF, e.g. 'heavy*=b.xml'"
-            )
-        found[pattern] = path
-    return found
+    fix = "with several models write PATTERN=MJCF, e.g. 'heavy*=b.xml'"
+    return dict(named("--model", text, fix) for text in model)
 
 
 def paths_of(model: list[str]) -> list[Path]:
@@ -328,15 +321,21 @@ def columns_of(column: list[str] | None) -> dict[str, str]:
     """Names of columns in a file, by our names, from texts OURS=THEIRS.
 
     Raises:
-        LogError: a text does not have that form.
+        FrictionJointError: a text does not have that form.
     """
-    found = {}
-    for text in column or []:
-        ours, equals, theirs = text.partition("=")
-        if not (ours and equals and theirs):
-            raise LogError(f"--column {text}: write ours=theirs, e.g. time_s=t")
-        found[ours] = theirs
-    return found
+    return dict(named("--column", x, "write ours=theirs, e.g. time_s=t") for x in column or [])
+
+
+def named(option: str, text: str, fix: str) -> tuple[str, str]:
+    """Both sides of the text NAME=VALUE that an option has.
+
+    Raises:
+        FrictionJointError: the text does not have that form; `fix` is what to write.
+    """
+    name, _, value = text.partition("=")
+    if not (name and value):
+        raise FrictionJointError(f"{option} {text}: {fix}")
+    return name, value
 
 
 def _is_number(text: str) -> bool:

@@ -1,13 +1,13 @@
 """Commands on model files: `install`, `uninstall`, `check` and `view`."""
 
-import json
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.logs import named
+from frictionjoint.cli.output import Force, Json, print_json, require_writable
 from frictionjoint.cli.terminal import show_table, warnings_afterwards
 from frictionjoint.errors import FrictionJointError, ParameterError, few
 
@@ -126,7 +126,7 @@ def check(
     findings = check_model(model)
     outside = [(row["joint"], sentence) for row in findings for sentence in row["outside"]]
     if as_json:
-        typer.echo(json.dumps(findings, indent=2))
+        print_json(findings)
     else:
         cells = (
             (
@@ -163,9 +163,7 @@ def _files(joints: list[str]) -> dict[str, Path]:
     """Parameter files by joint, from options NAME=TOML."""
     found: dict[str, Path] = {}
     for text in joints:
-        name, equals, path = text.partition("=")
-        if not equals:
-            raise ParameterError(f"--joint {text}: write NAME=params.toml")
+        name, path = named("--joint", text, "write NAME=params.toml")
         if name in found:
             raise ParameterError(f"--joint {name} is given twice: keep one")
         found[name] = Path(path)

@@ -1,13 +1,12 @@
 """The command `motors`: identified motors, and parameter files of BAM."""
 
-import json
 from pathlib import Path
 from statistics import mean, stdev
 from typing import Annotated
 
 import typer
 
-from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.output import Force, Json, print_json, require_writable
 from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
 from frictionjoint.cli.terminal import show_table
 
@@ -70,7 +69,7 @@ def list_command(
             }
             for x in found
         ]
-        typer.echo(json.dumps(rows, indent=2))
+        print_json(rows)
         return
     cells = []
     for x in found:
@@ -110,7 +109,7 @@ def show_command(
             "units": motor.units,
             **{key: getattr(motor, key) for key in ("conditions", "verdict", "remark")},
         }
-        typer.echo(json.dumps(content, indent=2))
+        print_json(content)
         return
     typer.echo(f"{motor.title}: law {parameters.law}")
     rows = []

@@ -1,10 +1,11 @@
-"""Checks of output paths: writable, and not overwriting input."""
+"""Results of commands: JSON, pages, and checks that a file can be written without harm."""
 
+import json
 import tempfile
 import webbrowser
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -33,8 +34,11 @@ def require_writable(
         raise FrictionJointError(f"--out {out}: {fix}")
     if not force:
         written = [out] if files is None else [out / name for name in files]
-        _require_others(written, made_from)
-        _require_new(written)
+        if existing := [path for path in written if path.exists()]:
+            _require_others(existing, made_from)
+            raise FrictionJointError(
+                f"{existing[0]} exists already: give another --out, or --force to overwrite it"
+            )
     place = out.absolute() if folder else out.absolute().parent
     while not place.exists():
         place = place.parent
@@ -46,25 +50,19 @@ def require_writable(
         raise FrictionJointError(f"--out {out}: cannot be written: {reason}") from None
 
 
+def print_json(content: Any) -> None:
+    """Print a result for scripts."""
+    typer.echo(json.dumps(content, indent=2))
+
+
 def open_page(page: Path) -> None:
     """Open a page in the browser, if there is one."""
     webbrowser.open(page.absolute().as_uri())
 
 
-def _require_new(written: Iterable[Path]) -> None:
-    for path in written:
-        if path.exists():
-            raise FrictionJointError(
-                f"{path} exists already: give another --out, or --force to overwrite it"
-            )
-
-
-def _require_others(written: Iterable[Path], made_from: Iterable[Path]) -> None:
+def _require_others(existing: Iterable[Path], made_from: Iterable[Path]) -> None:
     from frictionjoint.model_text import sources
 
-    existing = [path for path in written if path.exists()]
-    if not existing:
-        return
     for source in made_from:
         for part in sources(source):
             for path in existing:

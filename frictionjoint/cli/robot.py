@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from frictionjoint.cli.logs import named
 from frictionjoint.cli.terminal import console, show_table
 from frictionjoint.errors import LogError
 
@@ -14,14 +15,12 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
     """Logs by the robot's name, from texts NAME=LOG.
 
     Raises:
-        LogError: a text does not have that form, a name cannot name a folder, a log is given
-            twice, or there is only one robot.
+        FrictionJointError: a text does not have that form, a name cannot name a folder, a log is
+            given twice, or there is only one robot.
     """
     found: dict[str, list[Path]] = {}
     for text in robots:
-        name, equals, path = text.partition("=")
-        if not (name and equals and path):
-            raise LogError(f"--robot {text}: write NAME=LOG, e.g. left=left_arm.csv")
+        name, path = named("--robot", text, "write NAME=LOG, e.g. left=left_arm.csv")
         if "/" in name or name.startswith("."):
             raise LogError(f"--robot {name}: give a name for a folder, without / and leading .")
         if any(Path(path) in logs for logs in found.values()):
