@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.cluster.vq import kmeans2
 from scipy.linalg import solve_toeplitz
-from scipy.signal import lfilter
 
 from frictionjoint.arrays import Array, Index
 from frictionjoint.compiled import compiled, pointer
@@ -158,6 +157,8 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
         U: shape (n, k). residual: shape (n,). Both contain the logs in order.
         noise: variance of white noise with the spectral density of the torque instrument.
     """
+    from scipy.signal import lfilter
+
     lags = np.zeros(6 + 1)
     parts = [residual[log_index == i] for i in np.unique(log_index)]
     for e in parts:

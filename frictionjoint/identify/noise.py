@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import welch
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from frictionjoint.arrays import Array
 from frictionjoint.measured.derivatives import SAME_POSITION
@@ -72,6 +71,8 @@ def density_above(x: Array, dt: float) -> float:
     Args:
         x: shape (n,). dt: sampling interval, s.
     """
+    from scipy.signal import welch
+
     # pieces of 1024 samples with a Hann window that overlap by half; the squared correlation of the
     # spectra of two is 1/36 (Welch 1967)
     window = min(len(x), 1024)
@@ -82,7 +83,7 @@ def density_above(x: Array, dt: float) -> float:
         return 0.0
     pieces = (len(x) - window) // (window - window // 2) + 1
     freedom = 2.0 * pieces / (1.0 + (2.0 / 36.0) * (1.0 - 1.0 / pieces))
-    return float(np.median(power[above]) * freedom / chi2.median(freedom))
+    return float(np.median(power[above]) * freedom / (2.0 * gammaincinv(freedom / 2.0, 0.5)))
 
 
 def count_of(position: Array) -> float:
@@ -114,6 +115,8 @@ def noise_of(
         smooth: the position behind the filter of the motion, shape (n,).
         inertia: drive over acceleration.
     """
+    from scipy.signal import welch
+
     error = np.zeros_like(smooth)
     if count > 0.0:
         error = np.round((smooth - position[0]) / count) * count + position[0] - smooth
@@ -130,6 +133,8 @@ def corner_above_noise(torque: Array, dt: float, bandwidth_hz: float, corner_hz:
         torque: shape (n,), every dt s. bandwidth_hz: corner of the balance. corner_hz: of the
             motion that it was computed from.
     """
+    from scipy.signal import welch
+
     # 20 periods of the balance's corner
     window = min(len(torque), int(20.0 / (bandwidth_hz * dt)))
     f, power = welch(torque, 1.0 / dt, nperseg=window)

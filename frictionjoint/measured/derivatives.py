@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
-from scipy.signal import welch
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.errors import LogError
@@ -82,6 +81,8 @@ def motion_band(position: Array, dt: float) -> MotionBand:
     In the second derivative, motion falls off towards high frequencies and position noise rises.
     The band of the motion ends at twice the frequency of the minimum between the two.
     """
+    from scipy.signal import welch
+
     n = len(position)
     f, power = welch(position, 1.0 / dt, nperseg=min(n, max(1024, n // 4)), detrend="linear")
     f, power = f[1:], power[1:]
@@ -108,6 +109,8 @@ def position_noise(position: Array, dt: float, corner_hz: float) -> float:
     Args:
         position: on a uniform grid of step dt, s, shape (n,). corner_hz: end of the motion's band.
     """
+    from scipy.signal import welch
+
     # a window with side lobes so low that the motion does not leak into the noise
     n = min(len(position), 512)
     f, power = welch(position, 1.0 / dt, "blackmanharris", n, detrend="linear")
@@ -116,7 +119,7 @@ def position_noise(position: Array, dt: float, corner_hz: float) -> float:
     # a median, which a line of the mains does not raise; the power of noise is chi-square
     # distributed with two degrees of freedom per average
     parts = max(1, 2 * len(position) // n - 1)
-    density = float(np.median(power[above])) / (chi2.ppf(0.5, 2 * parts) / (2 * parts))
+    density = float(np.median(power[above])) / (2.0 * gammaincinv(parts, 0.5) / (2 * parts))
     return float(np.sqrt(density * 0.5 / dt))
 
 
