@@ -128,7 +128,7 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
 def test_a_joint_with_a_soft_stiffness_comes_to_rest_under_load_by_an_assumed_damping():
     prepared, undamped = fitted(300.0, noise=0.1)
     found = with_assumed_damping(prepared, undamped)
-    assert found.rms == pytest.approx(undamped.rms, rel=0.011)
+    assert found.drive_rms <= undamped.drive_rms / 0.99
     damping = law_estimates(found, stated_covariance(prepared, found), False)["sigma1"]
     assert damping.stderr is None
     (said,) = assumed_note(found, False)

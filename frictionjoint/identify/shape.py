@@ -210,9 +210,9 @@ class IntegratedShape:
         `variables`."""
         low, high = level_bounds(vmax)
         bend = (float(np.log(0.02)), 0.0)
-        least, most = length_bounds(span)
+        shortest, longest = length_bounds(span)
         # after a reversal the curve has twice its length
-        end = (least, most + float(np.log(2.0)))
+        end = (shortest, longest + float(np.log(2.0)))
         each = [*zip(low, high, strict=True), end, bend, bend]
         by_name = dict(zip((*_BOTH, *_NEGATIVE), [*each, *each[:2]], strict=True))
         least, most = zip(*(by_name[name] for name in self.variables), strict=True)
