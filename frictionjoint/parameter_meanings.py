@@ -15,6 +15,7 @@ MEANINGS = {
     "sigma2": "viscous friction",
     "stiffness": "presliding stiffness",
     "n": "exponent of the transition to sliding",
+    "knots": "transition curve",
     "gain": "torque per unit of drive",
 }
 SIDES = {"pos": "forward", "neg": "backward"}
