@@ -126,4 +126,4 @@ def test_a_supply_below_its_scale_is_one_gain_of_all_drives():
     # rows are in units of what is left beside it, or the joint with least gravity decides
     for joint in found.settled.joints:
         assert joint.common_effects[0].name == "torque-gain"
-        assert joint.left == pytest.approx(joint.rms, rel=0.1)
+        assert joint.left <= joint.rms < 0.1 * joint.fit.rms

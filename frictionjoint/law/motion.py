@@ -81,7 +81,8 @@ def drive_rival(
             rate[k] = X[bristle.RATE]
 
 
-def friction_torque(parameters: Friction, time: ArrayLike, position: ArrayLike) -> Array:
+# quoted: a signature shows the names of these types, not what they stand for
+def friction_torque(parameters: Friction, time: "ArrayLike", position: "ArrayLike") -> "Array":
     """Friction torque along a motion, starting at rest and never moved.
 
     The motion is linear between the samples, so the velocity of an interval is its mean velocity,
