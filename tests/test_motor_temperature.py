@@ -60,14 +60,14 @@ def in_mujoco(celsius):
 
 
 def test_a_run_at_the_temperature_of_its_log_is_mujocos():
-    model = JointModel.of(LAW, [EFFECT], GAIN, EMF)
+    model = JointModel(LAW, [EFFECT], GAIN, EMF)
     hot = simulate(model, run_at(T0 + 25.0))
     np.testing.assert_allclose(hot, in_mujoco(T0 + 25.0), atol=1e-9)
     assert np.abs(hot - simulate(model, run_at(None))).max() > 0.01
 
 
 def test_a_temperature_that_changes_is_followed_and_an_unknown_one_rests():
-    model = JointModel.of(LAW, [EFFECT], GAIN, EMF)
+    model = JointModel(LAW, [EFFECT], GAIN, EMF)
     cold, hot = (simulate(model, run_at(T0 + d)) for d in (0.0, 25.0))
     np.testing.assert_array_equal(cold, simulate(model, run_at(None)))
     warming = replace(run_at(T0), temperature=np.where(np.arange(N) < N // 2, T0, T0 + 25.0))

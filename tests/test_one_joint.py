@@ -81,7 +81,7 @@ def test_it_steps_as_mujoco_does(effects):
         load=load_of(RigidBody(MODEL, JOINT)),
         block=B,
     )
-    model = JointModel.of(LAW, effects, motor.gain, motor.back_emf)
+    model = JointModel(LAW, effects, motor.gain, motor.back_emf)
     # the load is looked up by its harmonics, so the last digits differ
     np.testing.assert_allclose(simulate(model, run), expected, atol=1e-9)
     assert np.ptp(expected) > 0.5
@@ -98,7 +98,7 @@ def standing(target, law=LAW):
         load=load_of(RigidBody(MODEL, JOINT)),
         block=block(KP=1.0),
     )
-    return run, simulate(JointModel.of(law, [], 0.1), run)
+    return run, simulate(JointModel(law, [], 0.1), run)
 
 
 @pytest.mark.parametrize(
@@ -115,8 +115,8 @@ def standing(target, law=LAW):
 def test_friction_holds_a_joint_beside_its_effects(effects, lag):
     run, _ = standing(0.4)
     strong = FrictionParameters.symmetric(Fs=2.0, Fc=1.8, Vs=0.2, knots=((0.002, 2.0), (0.01, 4.0)))
-    alone = simulate(JointModel.of(strong, [], 1.0), replace(run, target=np.full(N, 0.6)))
-    model = JointModel.of(strong, effects, 1.0, lag=lag * STEP)
+    alone = simulate(JointModel(strong, [], 1.0), replace(run, target=np.full(N, 0.6)))
+    model = JointModel(strong, effects, 1.0, lag=lag * STEP)
     found = simulate(model, replace(run, target=np.full(N, 0.6)))
     for positions in (alone, found):
         assert np.abs(positions - 0.4).max() < 1e-6

@@ -243,7 +243,7 @@ def joint_model(fitted: Fit) -> JointModel:
         for i, term in enumerate(fitted.terms)
         if isinstance(term, EffectTerm) and term.effect.is_inertia
     )
-    return JointModel.of(
+    return JointModel(
         law_parameters(fitted),
         simulated_effects(fitted),
         motor.gain if motor else 1.0,

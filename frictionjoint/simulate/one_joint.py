@@ -6,7 +6,7 @@ measured motion. Limits and contacts are left out.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -47,47 +47,38 @@ class Load:
     rest: float
 
 
-@dataclass(frozen=True)
 class JointModel:
     """A joint for simulation, without its load and its controller.
 
-    Attributes:
-        numbers: block of the law, then of the effects. effects: where those begin.
+    Args:
         gain: N m per unit of the drive. back_emf: N m s/rad, while the drive is on.
         inertia: kg m^2 in addition to the MJCF's. lag: s from a tick to its torque.
+    Attributes:
+        numbers: block of the law, then of the effects. effects: where those begin.
         thermal: place in the row and reference, deg C, of each temperature in an effect's memory,
             shape (k, 2).
     """
 
-    numbers: Array
-    effects: int
-    gain: float
-    back_emf: float = 0.0
-    inertia: float = 0.0
-    lag: float = 0.0
-    thermal: Array = field(default_factory=lambda: np.zeros((0, 2)))
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         law: Friction,
         effects: list[SimulatedEffect],
         gain: float,
         back_emf: float = 0.0,
         inertia: float = 0.0,
         lag: float = 0.0,
-    ) -> "JointModel":
-        """From a law and effects."""
+    ) -> None:
         packed = law.pack()
-        numbers = np.concatenate([packed, [float(len(effects))], *(e.pack() for e in effects)])
-        memory = FRONT + int(law_row_size(numbers, 0))
+        self.numbers = np.concatenate([packed, [float(len(effects))], *(e.pack() for e in effects)])
+        self.effects = len(packed)
+        self.gain, self.back_emf, self.inertia, self.lag = gain, back_emf, inertia, lag
+        memory = FRONT + int(law_row_size(self.numbers, 0))
         thermal = [
             (float(memory + MEMORY * i), e.shape[0])
             for i, e in enumerate(effects)
             if TEMP in e.effect.needs
         ]
-        places = np.array(thermal).reshape(-1, 2)
-        return cls(numbers, len(packed), gain, back_emf, inertia, lag, places)
+        self.thermal = np.array(thermal).reshape(-1, 2)
 
     @property
     def row(self) -> int:

@@ -196,7 +196,7 @@ def joints_alone(rng: np.random.Generator) -> None:
     body = Load(rng.uniform(0.05, 0.2, (10, 1)), 0.01, 0.3, 0.1)
     hot = [e for e in SIMULATED if e.name in ("temperature-dependent", "load-dependent")]
     for law in laws(rng)[::3]:
-        model = JointModel.of(law, [acting(e) for e in hot], 2.0, 0.1, 0.01, 1.5e-3)
+        model = JointModel(law, [acting(e) for e in hot], 2.0, 0.1, 0.01, 1.5e-3)
         for measured in (None, (q, np.gradient(q, t))):
             run = Run(
                 step=1e-3,
@@ -247,7 +247,8 @@ def controllers(rng: np.random.Generator) -> None:
     path = np.empty((4, 2 * SAMPLES))
     fill_mean_drives(blocks, delays, edges, t, target, q, v, one, on, path, np.empty(SAMPLES))
     for block in blocks:
-        control.one_tick(block, np.zeros(control.STATE), 0.0, 1.0, 0.5, 0.1)
+        memory = np.zeros(control.STATE)
+        control.along(block, t, target, q, v, one, np.empty(SAMPLES), memory)
         rate = float(block[control.SLEW])
         followed(t, target, t, min(rate, 1.0))
         fill_means(t, target, t, np.full(SAMPLES, 2e-3), rate, path, np.empty(SAMPLES))
