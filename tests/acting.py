@@ -19,9 +19,32 @@ from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.parameters import Friction
+from frictionjoint.rivals import (
+    ArmstrongParameters,
+    DahlParameters,
+    DahlStribeckParameters,
+    ElastoplasticParameters,
+    LuGreParameters,
+    MaxwellSlipParameters,
+    StaticParameters,
+)
 
 STEP, STEPS = 1e-3, 1000
 FC = 1.0
+LEVELS = {"Fs": 1.5, "Fc": FC, "Vs": 0.05, "sigma2": 0.4}
+SPRINGS = LEVELS | {"sigma0": 1e4}
+# every law but the integrated one
+RIVALS = [
+    StaticParameters.symmetric(**LEVELS, V0=1e-3),
+    ArmstrongParameters.symmetric(**SPRINGS),
+    DahlParameters.symmetric(Fc=FC, sigma2=0.4, sigma0=1e4),
+    DahlStribeckParameters.symmetric(**SPRINGS),
+    LuGreParameters.symmetric(**SPRINGS, sigma1=10.0),
+    ElastoplasticParameters.symmetric(**SPRINGS, sigma1=10.0, breakaway=0.7),
+    MaxwellSlipParameters.symmetric(
+        **LEVELS, elements=((5e3, 0.2), (3e3, 0.3), (2e3, 0.5)), C=100.0
+    ),
+]
 ARM = f"""<mujoco><option timestep="{STEP}" integrator="implicitfast"/><worldbody>
 <body><joint name="a" axis="0 1 0" armature=".02"/>
 <geom type="capsule" fromto="0 0 0 0 0 -.4" size=".03"/>
@@ -30,13 +53,7 @@ ARM = f"""<mujoco><option timestep="{STEP}" integrator="implicitfast"/><worldbod
 <actuator><motor joint="a" gear="2" ctrllimited="true" ctrlrange="-1.4 1.4"/><motor joint="b"/>
 </actuator><sensor><jointpos name="a_position" joint="a"/></sensor></mujoco>"""
 LAW = fj.FrictionParameters.symmetric(
-    Fs=1.5,
-    Fc=FC,
-    Vs=0.05,
-    sigma1=0.5,
-    sigma2=0.4,
-    n=2.0,
-    knots=((5e-3, 1.5), (15e-3, 2.5), (50e-3, 3.2)),
+    **LEVELS, sigma1=0.5, n=2.0, knots=((5e-3, 1.5), (15e-3, 2.5), (50e-3, 3.2))
 )
 # largest torque of each coefficient along the motion, N m
 _FELT = 0.4 * FC

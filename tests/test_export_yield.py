@@ -5,6 +5,7 @@ import itertools
 import mujoco
 import numpy as np
 import pytest
+from exported import carrying
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
@@ -47,20 +48,11 @@ def test_elements_follow_the_law_through_loops_within_loops() -> None:
     assert np.sqrt(np.mean(apart**2)) < 0.2 * np.sqrt(np.mean(law**2))
 
 
-def carrying(folder, law, arm=ARM):
-    spec = mujoco.MjSpec.from_string(arm)
-    fj.install(spec, {"elbow": law})
-    spec.compile()
-    path = folder / "arm.xml"
-    path.write_text(spec.to_xml())
-    return path
-
-
 def test_what_it_cannot_do_is_refused(tmp_path) -> None:
     static = StaticParameters.symmetric(Fs=1.0, Fc=0.8, Vs=0.1, delta=2.0, sigma2=0.1, V0=1e-3)
     with pytest.raises(ModelError, match="static has no presliding stiffness"):
         yield_springs(static, 0.8)
-    path = carrying(tmp_path, LAW)
+    path = carrying(ARM, LAW, tmp_path)
     with pytest.raises(ModelError, match="--yield is for the target native"):
         export(path, "urdf", tmp_path / "a.urdf", yielding=True)
     if not hasattr(mujoco.MjModel, "tendon_springyield"):
@@ -71,7 +63,7 @@ def test_what_it_cannot_do_is_refused(tmp_path) -> None:
 @NEEDED
 def test_stock_mujoco_holds_without_drift_and_slides(tmp_path) -> None:
     """0.5 +- 0.4 N m for 20 s, where MuJoCo's LuGre creeps by 7e-4 rad per cycle."""
-    path = carrying(tmp_path, LAW)
+    path = carrying(ARM, LAW, tmp_path)
     yields = export(path, "native", tmp_path / "a.xml", yielding=True)
     today = export(path, "native", tmp_path / "b.xml")
     assert yields.losses[0].torque_lost < 0.6 * today.losses[0].torque_lost

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
+from plants.spec import Controller, Effect, Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.effects import measurement_delay
@@ -24,16 +24,12 @@ def logs(tmp_path_factory):
 # The plants' controller holds its torque for a millisecond.
 HALF_A_TICK, SIGMA2 = 0.5e-3, 0.1
 # much inertia and little viscosity: what a delay makes of the one shows beside the other
-HEAVY = PlantSpec(
-    mass=3.0,
-    length=0.3,
-    inertia=0.3,
-    armature=0.1,
-    friction=Friction("lugre", Fs=0.6, Fc=0.5, Vs=0.1, sigma2=SIGMA2, presliding=2e-3),
+HEAVY = replace(
+    PENDULUM,
+    **{"mass": 3.0, "length": 0.3, "inertia": 0.3, "armature": 0.1},
     controller=Controller(kp=300.0, kd=15.0),
     motions=(Motion("sines", 3, 0.4, 4.0, 24.0), Motion("multisine", 4, 0.3, 4.0, 24.0)),
-    instrument=Instrument(rate=500.0, counts=65536, torque_noise=0.01),
-    seed=1,
+    instrument=replace(PENDULUM.instrument, torque_noise=0.01),
 )
 
 

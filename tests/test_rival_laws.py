@@ -6,37 +6,19 @@ import dataclasses
 import mujoco
 import numpy as np
 import pytest
+from acting import LEVELS, RIVALS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import frictionjoint as fj
 from frictionjoint import friction_torque
 from frictionjoint.errors import ParameterError
-from frictionjoint.rivals import (
-    ArmstrongParameters,
-    DahlParameters,
-    DahlStribeckParameters,
-    ElastoplasticParameters,
-    LuGreParameters,
-    MaxwellSlipParameters,
-    StaticParameters,
-)
+from frictionjoint.rivals import DahlParameters, LuGreParameters
 
-FS, FC, VS, SIGMA2, K = 1.5, 1.0, 0.05, 0.4, 1e4
-LEVELS = {"Fs": FS, "Fc": FC, "Vs": VS, "sigma2": SIGMA2}
-ELEMENTS = ((5e3, 0.2), (3e3, 0.3), (2e3, 0.5))
-LAWS = [
-    StaticParameters.symmetric(**LEVELS, V0=1e-3),
-    ArmstrongParameters.symmetric(**LEVELS, sigma0=K),
-    DahlParameters.symmetric(Fc=FC, sigma2=SIGMA2, sigma0=K),
-    DahlStribeckParameters.symmetric(**LEVELS, sigma0=K),
-    LuGreParameters.symmetric(**LEVELS, sigma0=K, sigma1=10.0),
-    ElastoplasticParameters.symmetric(**LEVELS, sigma0=K, sigma1=10.0, breakaway=0.7),
-    MaxwellSlipParameters.symmetric(**LEVELS, elements=ELEMENTS, C=100.0),
-]
-HYSTERETIC = LAWS[1:]
-BY_NAME = {p.law: p for p in LAWS}
-each_law = pytest.mark.parametrize("p", LAWS, ids=lambda p: p.law)
+(FS, FC, VS, SIGMA2), K = LEVELS.values(), 1e4
+HYSTERETIC = RIVALS[1:]
+BY_NAME = {p.law: p for p in RIVALS}
+each_law = pytest.mark.parametrize("p", RIVALS, ids=lambda p: p.law)
 each_hysteretic = pytest.mark.parametrize("p", HYSTERETIC, ids=lambda p: p.law)
 
 
@@ -77,7 +59,7 @@ def test_mirrored_motion_mirrors_the_torque(p):
 
 @settings(max_examples=200)
 @given(
-    st.sampled_from(LAWS),
+    st.sampled_from(RIVALS),
     st.lists(
         st.tuples(st.floats(-12, 3), st.booleans(), st.floats(-6, 2)), min_size=1, max_size=40
     ),
@@ -120,7 +102,7 @@ def test_maxwell_slip_is_a_superposition_of_jenkins_elements_at_a_constant_level
     q = np.append(0.0, np.cumsum(rng.normal(0.0, 1e-4, 400)))
     expected, elements = [0.0], [0.0, 0.0, 0.0]
     for dq in np.diff(q):
-        for i, (k, share) in enumerate(ELEMENTS):
+        for i, (k, share) in enumerate(BY_NAME["maxwell_slip"].elements):
             elements[i] = float(np.clip(elements[i] + k * dq, -share * FS, share * FS))
         expected.append(sum(elements))
     np.testing.assert_allclose(friction_torque(p, np.arange(q.size) * 1.0, q), expected, atol=1e-9)

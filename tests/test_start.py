@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from plants.plant import simulate, write
-from plants.spec import Controller, Effect, Friction, Instrument, Motion, PlantSpec
+from plants.spec import Effect, Motion
+from trial_logs import PENDULUM
 
 from frictionjoint.effects import joint_elasticity
 from frictionjoint.effects.signals import N_SIGNALS, TIME, Q
@@ -23,16 +24,11 @@ from frictionjoint.measured.readers import read_log
 
 FC = 0.5
 # a pendulum that friction holds aside: moves from one rest to another
-PLANT = PlantSpec(
-    mass=1.0,
-    length=0.2,
-    inertia=0.06,
-    armature=0.02,
-    friction=Friction("gms", Fs=0.6, Fc=FC, Vs=0.1, sigma2=0.1, presliding=2e-3),
-    controller=Controller(kp=60.0, kd=3.0),
+PLANT = replace(
+    PENDULUM,
+    friction=replace(PENDULUM.friction, law="gms"),
     motions=(Motion("pick-and-place", 3, 0.4, 0.8, 20.0), Motion("sines", 4, 0.3, 1.0, 10.0)),
-    instrument=Instrument(rate=1000.0, counts=65536, torque_noise=0.005),
-    seed=1,
+    instrument=replace(PENDULUM.instrument, rate=1000.0),
 )
 
 

@@ -5,22 +5,13 @@ import sys
 import mujoco
 import numpy as np
 import pytest
-from acting import acting
+from acting import LEVELS, RIVALS, acting
 
 import frictionjoint as fj
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import N_MAX, N_MIN
-from frictionjoint.rivals import (
-    ArmstrongParameters,
-    DahlParameters,
-    DahlStribeckParameters,
-    ElastoplasticParameters,
-    LuGreParameters,
-    MaxwellSlipParameters,
-    StaticParameters,
-)
 from frictionjoint.simulate.block import ROW
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.joint_effects import effects_torque
@@ -48,7 +39,6 @@ ARM = """
   </worldbody>
 </mujoco>
 """
-LEVELS = {"Fs": 1.5, "Fc": 1.0, "Vs": 0.05, "sigma2": 0.4}
 
 
 def friction(**changes) -> fj.FrictionParameters:
@@ -153,15 +143,6 @@ INTEGRATED = [
     friction(n=n, knots=STIFF, variant=variant, virgin=virgin)
     for n in (1.0, 1.5, 2.0, 3.0, 4.0, 7.3)
     for variant, virgin in (("ganseman1997", "literal"), ("lampaert2002", "masing"))
-]
-RIVALS = [
-    StaticParameters.symmetric(**LEVELS, V0=1e-3),
-    ArmstrongParameters.symmetric(**LEVELS, sigma0=1e4),
-    DahlParameters.symmetric(Fc=1.0, sigma2=0.4, sigma0=1e4),
-    DahlStribeckParameters.symmetric(**LEVELS, sigma0=1e4, i=1.3),
-    LuGreParameters.symmetric(**LEVELS, sigma0=1e4, sigma1=10.0),
-    ElastoplasticParameters.symmetric(**LEVELS, sigma0=1e4, sigma1=10.0, breakaway=0.7),
-    MaxwellSlipParameters.symmetric(**LEVELS, elements=((5e3, 0.3), (3e3, 0.7)), C=100.0),
 ]
 
 
