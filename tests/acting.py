@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 
 import frictionjoint as fj
+from frictionjoint import rivals
 from frictionjoint.arrays import Array
 from frictionjoint.effects import signals
 from frictionjoint.effects.catalogue import SIMULATED
@@ -19,15 +20,6 @@ from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import columns
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.parameters import Friction
-from frictionjoint.rivals import (
-    ArmstrongParameters,
-    DahlParameters,
-    DahlStribeckParameters,
-    ElastoplasticParameters,
-    LuGreParameters,
-    MaxwellSlipParameters,
-    StaticParameters,
-)
 
 STEP, STEPS = 1e-3, 1000
 FC = 1.0
@@ -35,13 +27,13 @@ LEVELS = {"Fs": 1.5, "Fc": FC, "Vs": 0.05, "sigma2": 0.4}
 SPRINGS = LEVELS | {"sigma0": 1e4}
 # every law but the integrated one
 RIVALS = [
-    StaticParameters.symmetric(**LEVELS, V0=1e-3),
-    ArmstrongParameters.symmetric(**SPRINGS),
-    DahlParameters.symmetric(Fc=FC, sigma2=0.4, sigma0=1e4),
-    DahlStribeckParameters.symmetric(**SPRINGS),
-    LuGreParameters.symmetric(**SPRINGS, sigma1=10.0),
-    ElastoplasticParameters.symmetric(**SPRINGS, sigma1=10.0, breakaway=0.7),
-    MaxwellSlipParameters.symmetric(
+    rivals.StaticParameters.symmetric(**LEVELS, V0=1e-3),
+    rivals.ArmstrongParameters.symmetric(**SPRINGS),
+    rivals.DahlParameters.symmetric(Fc=FC, sigma2=0.4, sigma0=1e4),
+    rivals.DahlStribeckParameters.symmetric(**SPRINGS),
+    rivals.LuGreParameters.symmetric(**SPRINGS, sigma1=10.0),
+    rivals.ElastoplasticParameters.symmetric(**SPRINGS, sigma1=10.0, breakaway=0.7),
+    rivals.MaxwellSlipParameters.symmetric(
         **LEVELS, elements=((5e3, 0.2), (3e3, 0.3), (2e3, 0.5)), C=100.0
     ),
 ]

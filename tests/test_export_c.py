@@ -9,21 +9,13 @@ from acting import acting
 from acting import name as effect_name
 from c_header import COMPILER, Header
 
+from frictionjoint import rivals
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
 from frictionjoint.export.c import header, lost_effects
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import FrictionParameters
-from frictionjoint.rivals import (
-    ArmstrongParameters,
-    DahlParameters,
-    DahlStribeckParameters,
-    ElastoplasticParameters,
-    LuGreParameters,
-    MaxwellSlipParameters,
-    StaticParameters,
-)
 from frictionjoint.simulate.carrier import load_model, read_friction
 from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import row_size, torque_now
@@ -44,15 +36,15 @@ INTEGRATED = [
     )
 ]
 DAHL = {"Fc_pos": 1.0, "Fc_neg": 1.2, "sigma2_pos": 0.4, "sigma0": 1e4}
-LUGRE = LuGreParameters(**LEVELS, sigma0=1e4, sigma1=10.0)
+LUGRE = rivals.LuGreParameters(**LEVELS, sigma0=1e4, sigma1=10.0)
 RIVALS = [
-    StaticParameters(**LEVELS, V0=1e-3),
-    ArmstrongParameters(**LEVELS, sigma0=1e4),
-    *(DahlParameters(**DAHL, i=i) for i in (0.0, 0.7, 1.0, 2.0)),
-    DahlStribeckParameters(**LEVELS, sigma0=1e4, i=1.3),
+    rivals.StaticParameters(**LEVELS, V0=1e-3),
+    rivals.ArmstrongParameters(**LEVELS, sigma0=1e4),
+    *(rivals.DahlParameters(**DAHL, i=i) for i in (0.0, 0.7, 1.0, 2.0)),
+    rivals.DahlStribeckParameters(**LEVELS, sigma0=1e4, i=1.3),
     LUGRE,
-    ElastoplasticParameters(**LEVELS, sigma0=1e4, sigma1=10.0, breakaway=0.7),
-    MaxwellSlipParameters(**LEVELS, elements=((5e3, 0.2), (3e3, 0.3), (2e3, 0.5)), C=100.0),
+    rivals.ElastoplasticParameters(**LEVELS, sigma0=1e4, sigma1=10.0, breakaway=0.7),
+    rivals.MaxwellSlipParameters(**LEVELS, elements=((5e3, 0.2), (3e3, 0.3), (2e3, 0.5)), C=100.0),
 ]
 
 

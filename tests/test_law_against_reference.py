@@ -17,16 +17,20 @@ from frictionjoint.parameters import FrictionParameters
 MOTIONS = 100
 
 
+def agreed(p, time, position):
+    """Events along a motion on which both torques agree."""
+    wanted, events = reference_torque(p, time, position)
+    got = friction_torque(p, time, position)
+    assert np.abs(got - wanted).max() <= 1e-6 * max(p.Fs_pos, p.Fs_neg), p
+    return events
+
+
 def test_random_motions_agree_and_reach_every_mechanism():
     total = Counter()
     for i in range(MOTIONS):
         rng = np.random.default_rng([0, i])
         p = random_parameters(rng)
-        time, position = random_motion(rng, p)
-        wanted, events = reference_torque(p, time, position)
-        got = friction_torque(p, time, position)
-        total += events
-        assert np.abs(got - wanted).max() <= 1e-6 * max(p.Fs_pos, p.Fs_neg), f"motion {i}: {p}"
+        total += agreed(p, *random_motion(rng, p))
     assert total["reversal"] > 10 * MOTIONS
     assert total["closing"] > 2.5 * MOTIONS
     assert total["reset"] > 1.5 * MOTIONS
@@ -39,11 +43,7 @@ def test_steps_of_fifteen_decades_agree():
     for i in range(MOTIONS):
         rng = np.random.default_rng([1, i])
         p = dataclasses.replace(random_parameters(rng), sigma1=0, sigma2_pos=0, sigma2_neg=0)
-        time, position = violent_motion(rng)
-        wanted, events = reference_torque(p, time, position)
-        got = friction_torque(p, time, position)
-        total += events
-        assert np.abs(got - wanted).max() <= 1e-6 * max(p.Fs_pos, p.Fs_neg), f"motion {i}: {p}"
+        total += agreed(p, *violent_motion(rng))
     assert min(total["reversal"], total["closing"], total["reset"]) > MOTIONS
 
 

@@ -1,8 +1,5 @@
 """Validation and packing of the law's parameters."""
 
-import copy
-import pickle
-
 import pytest
 
 from frictionjoint.errors import ParameterError
@@ -67,8 +64,3 @@ def test_unknown_key_and_damaged_block():
 def test_a_missing_argument_is_named_with_the_fix(given):
     with pytest.raises(ParameterError, match=r"missing parameter .*knots .*: add it"):
         FrictionParameters(**given)
-
-
-def test_copies_are_equal():
-    p = FrictionParameters.symmetric(**GOOD)
-    assert copy.deepcopy(p) == pickle.loads(pickle.dumps(p)) == p

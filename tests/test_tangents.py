@@ -68,6 +68,17 @@ def motions():
     }
 
 
+def test_every_curve_of_a_search_ends_within_a_fifth_of_the_travel():
+    """Else a log in which a joint slides could be fitted by a spring."""
+    shape, travel = SHAPES["n = 4, lampaert2002"], 0.7
+    low, high = shape.bounds(1.0, travel)
+    for part in np.random.default_rng(5).random((200, len(low))):
+        z, F = np.transpose(shape.moved(low + part * (high - low)).parameters(1.0, 0.1).knots)
+        slopes = np.diff(F, prepend=0.0) / np.diff(z, prepend=0.0)
+        assert z[-1] <= 0.2 * travel * (1.0 + 1e-12)
+        assert (np.diff(slopes) <= 1e-9 * slopes[0]).all()
+
+
 def differences(shape, q, i, h):
     """Central, of fourth order, of H and dz/dq by entry i of the vector."""
 
