@@ -179,11 +179,8 @@ def test_any_tree_comes_to_rest_under_half_the_breakaway_torque(seed, ratio, dam
 @settings(max_examples=12, deadline=None)
 @given(**trees)
 def test_no_tree_gains_energy(seed, ratio, damping):
-    """From a velocity that its constraints admit.
-
-    MuJoCo's soft constraints are springs whose force follows the acceleration too: one that is
-    violated drives a mechanism when a joint brakes, with MuJoCo's own damping as well.
-    """
+    """From a velocity that its constraints admit: a soft one that is violated drives a mechanism
+    when a joint brakes, with MuJoCo's own damping as well."""
     rng = np.random.default_rng(seed)
     model = with_friction(random_tree(rng), 1.0, ratio, damping)
     data = mujoco.MjData(model)
