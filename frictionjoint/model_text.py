@@ -20,6 +20,8 @@ from frictionjoint.model_joints import is_slide
 from frictionjoint.mujoco_warnings import as_python_warnings
 
 _SIZES = ("nq", "nv", "nu", "na", "nbody", "ngeom", "ntendon", "neq", "nsensor", "nuserdata")
+# MuJoCo's reader ends the process when one <numeric> of a file has more
+_MOST_NUMBERS = 500
 # what of a compiled model comes from asset files
 _FROM_FILES = ("mesh_vert", "mesh_face", "hfield_data", "tex_data", "skin_vert")
 
@@ -31,7 +33,8 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
         spec: compiles; the names of its asset files are changed.
         source: what it was read from, a file or an MJCF's text.
     Raises:
-        ModelError: an asset file is not found, or MuJoCo's text of it is another model.
+        ModelError: an asset file is not found, a joint has too many effects for a file, or MuJoCo's
+            text of it is another model.
     """
     name = source_name(source)
     with as_python_warnings(), compiling():
@@ -40,6 +43,12 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
         folders = [own, *(part.absolute().parent for part in sources(Path(source)))]
         _name_files_absolutely(spec, folders)
         spec.meshdir = spec.texturedir = ""
+        for numeric in spec.numerics:
+            if len(numeric.data) > _MOST_NUMBERS:
+                raise ModelError(
+                    f"{name}: {numeric.name} has {len(numeric.data)} numbers, and MuJoCo reads no "
+                    f"more than {_MOST_NUMBERS} from a file: leave out effects of this joint"
+                )
         try:
             text = str(spec.to_xml())
             after = mujoco.MjModel.from_xml_string(text)
