@@ -21,6 +21,17 @@ def undetermined(prepared: Prepared, fitted: Fit) -> dict[Term, float]:
     return {term: x for term, x in distances.items() if x < SURELY}
 
 
+def leaves_open(prepared: Prepared, fitted: Fit, i: int) -> bool:
+    """Whether the logs leave a position of the i-th effect open by half of their travel.
+
+    So it is if no log reaches one of two end stops.
+    """
+    at, effect = fitted.layout.numbers(i), fitted.terms[i].effect
+    positions = np.array(effect.shape_units[effect.shape_fixed :]) == "x"
+    variance = np.diag(stated_covariance(prepared, fitted))[at.start : at.stop][positions]
+    return not bool(np.all((variance >= 0.0) & (variance < (0.5 * prepared.span) ** 2)))
+
+
 def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     """Distance of the i-th effect from zero size, in standard errors.
 
