@@ -29,7 +29,7 @@ import frictionjoint
 from frictionjoint import close_loop
 from frictionjoint.control import read_controller
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.kernel import STATE, one_tick
+from frictionjoint.control.kernel import STATE, tick
 from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.profile import held
 from frictionjoint.files import joint_friction
@@ -130,7 +130,7 @@ def run(
             for name in logs:
                 q, v = data.qpos[qpos[name]], data.qvel[dof[name]]
                 found[name][k] = q
-                drive = one_tick(numbers[name], states[name], t, targets[name][k], q, v)
+                drive = tick(numbers[name], states[name], t, targets[name][k], q, v, 1.0)
                 if motors[name] < 0:
                     data.qfrc_applied[dof[name]] = drive
                 else:

@@ -9,7 +9,7 @@ import numpy as np
 from round_trip_joint import Trip, numbers
 
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.kernel import STATE, one_tick
+from frictionjoint.control.kernel import STATE, tick
 from frictionjoint.control.kernel_numbers import block_of
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -91,7 +91,7 @@ def _model_log(path: Path, controller: Controller, volts: float, like: JointLog)
             q, v, t = float(data.qpos[0]), float(data.qvel[0]), i * _TICK
             at = np.searchsorted(like.time, t - delay + 1e-9, side="right") - 1
             position[i] = round(q / COUNT) * COUNT
-            drive = one_tick(block, state, t, like.target[max(0, at)], q, v)
+            drive = tick(block, state, t, like.target[max(0, at)], q, v, 1.0)
             if volts:
                 data.qfrc_applied[0] = volts * drive
             else:

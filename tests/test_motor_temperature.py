@@ -54,7 +54,7 @@ def in_mujoco(celsius):
         assert temperature(model, data) == {JOINT: pytest.approx(celsius)}
         for i in range(N):
             found[i] = data.qpos[0]
-            data.ctrl[0] = k.one_tick(CONTROL, S, i * STEP, TARGET[i], data.qpos[0], data.qvel[0])
+            data.ctrl[0] = k.tick(CONTROL, S, i * STEP, TARGET[i], *data.qpos, *data.qvel, 1.0)
             mujoco.mj_step(model, data)
     return found
 

@@ -51,7 +51,7 @@ def in_mujoco(effects, motor, B, target, start):
     with attach(model):
         for i in range(N):
             found[i] = data.qpos[0]
-            data.ctrl[0] = k.one_tick(B, S, i * STEP, target[i], data.qpos[0], data.qvel[0])
+            data.ctrl[0] = k.tick(B, S, i * STEP, target[i], *data.qpos, *data.qvel, 1.0)
             mujoco.mj_step(model, data)
     return found
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
-from frictionjoint.control.kernel import STATE, one_tick
+from frictionjoint.control.kernel import STATE, tick
 from frictionjoint.control.kernel import TICK as TICK_AT
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.prepare import prepare
@@ -33,7 +33,7 @@ def test_ticks_come_at_their_rate(rate):
     assert 0.5e-3 < run.step <= 1e-3
     S, ticks = np.zeros(STATE), set()
     for i in range(len(run.target)):
-        one_tick(run.block, S, i * run.step, run.target[i], 0.0, 0.0)
+        tick(run.block, S, i * run.step, run.target[i], 0.0, 0.0, 1.0)
         ticks.add(S[TICK_AT])
     assert len(ticks) == pytest.approx(min(rate, 1.0 / run.step) + 1.0, abs=1.0)
 

@@ -11,7 +11,7 @@ Block ``B``: see the names below. State ``S``: memory of a controller between ti
 
 import math
 
-from frictionjoint.arrays import Array, Vector
+from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 
 (
@@ -115,8 +115,3 @@ def along(
     """Fill `drive` along a log; all of shape (n,), S of shape (STATE,), zero at first."""
     for k in range(len(time)):
         drive[k] = tick(B, S, time[k], target[k], position[k], velocity[k], supply[k])
-
-
-def one_tick(B: Array, S: Array, t: float, target: float, q: float, v: float) -> float:
-    """One tick, for a simulation that steps in Python; S of shape (STATE,), zero at first."""
-    return tick(B, S, t, target, q, v, 1.0)

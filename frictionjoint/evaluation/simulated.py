@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
-from frictionjoint.control.kernel import COUNT, STATE, one_tick
+from frictionjoint.control.kernel import COUNT, STATE, tick
 from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.profile import held
 from frictionjoint.evaluation.model import EvaluatedModel
@@ -115,8 +115,9 @@ class _Loop:
 
     def drive(self, data: mujoco.MjData, k: int) -> None:
         q, v = float(data.qpos[self._at]), float(data.qvel[self._dof])
-        u = one_tick(self._block, self._state, self._time[k], self._target[k], q, v)
-        u = u * self._supply[k] if self._on[k] else 0.0
+        inputs = float(self._target[k]), q, v, float(self._supply[k])
+        u = tick(self._block, self._state, float(self._time[k]), *inputs)
+        u = u if self._on[k] else 0.0
         if self._control is None:
             data.qfrc_applied[self._dof] = u
         else:
