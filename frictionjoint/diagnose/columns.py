@@ -4,7 +4,6 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
-from frictionjoint.identify.design import term_key
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.law_signals import columns_of_term, full_signals
 from frictionjoint.identify.segment import Prepared
@@ -47,4 +46,4 @@ def columns_of(prepared: Prepared, signals: list[Array], term: Term) -> Array:
     if not fixed:
         return made()
     swings = tuple(s.swing for s in prepared.segments)
-    return prepared.columns.get((term_key(term, None), swings), made)
+    return prepared.columns.get(("term", term, swings), made)

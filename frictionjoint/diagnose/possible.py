@@ -10,7 +10,6 @@ from frictionjoint.decisions import LEAST_MOVED, SURELY, TIE
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.search import shape_limits
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 
 # of a drive, what must act: a limit may leave little of what high gains ask for, but not nothing
@@ -82,7 +81,7 @@ def exceeding_friction(fitted: Fit) -> Iterator[Term]:
 def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float]]:
     """Numbers of term i on a finite, nonzero bound, with the sign of the direction beyond it."""
     first = fitted.layout.numbers(i).start
-    for k, (x, limits) in enumerate(zip(term.free_shape, shape_limits(term), strict=True), first):
+    for k, (x, limits) in enumerate(zip(term.free_shape, term.limits, strict=True), first):
         for limit, outward in zip(limits, (-1.0, 1.0), strict=True):
             physical = math.isfinite(limit) and limit != 0.0
             if physical and fitted.bound[k] and abs(x - limit) <= 1e-3 * abs(limit):

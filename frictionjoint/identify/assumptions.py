@@ -83,7 +83,7 @@ def with_assumed_damping(prepared: Prepared, fitted: Fit) -> Fit:
     shape = fitted.shape
     if not isinstance(shape, IntegratedShape) or shape.stiffness_assumed or not fitted.has_level:
         return fitted
-    known = fitted.coefficient("sigma1") if shape.damped else 0.0
+    known = fitted.coefficient("sigma1")
     if known > 0.0 and not _law(prepared, fitted)["sigma1"].is_loose:
         return fitted
     level, viscosity = fitted.levels

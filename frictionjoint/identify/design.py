@@ -28,6 +28,7 @@ from frictionjoint.identify.terms import (
     changing_drive,
     delay_of,
     drive_changes,
+    in_place,
     torque_of,
 )
 from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge
@@ -107,7 +108,7 @@ class Balance:
         )
         for term in terms:
             if term.coefficients:
-                key = term_key(term, law if term.follows_law else None)
+                key = "term", term, law if term.follows_law else None
                 parts.append(stored(key, partial(self._term, term, law, i)))
         return np.column_stack(parts)
 
@@ -132,7 +133,7 @@ class Balance:
         return np.concatenate(found)
 
     def _target(self, terms: tuple[Term, ...], i: int) -> Array:
-        delay, age, changes = delay_of(terms), age_of(terms), _changes(terms)
+        delay, age, changes = delay_of(terms), age_of(terms), tuple(changing_drive(terms))
 
         def make() -> Array:
             return self._target_of(self._driven(terms, i), terms, i)
@@ -150,7 +151,7 @@ class Balance:
     def _damping_rate(self, terms: tuple[Term, ...], i: int) -> Array:
         """Damping rate of the drive as changed by the terms, see `Bundle`."""
         part = self._parts[i]
-        key = "damping rate", _changes(terms)
+        key = "damping rate", *changing_drive(terms)
         return part.store.get(key, lambda: part.damping_rate(drive_changes(terms)))
 
     def answer(self, terms: tuple[Term, ...]) -> Array:
@@ -179,7 +180,7 @@ class Balance:
 
         The latest ones are cached, because other numbers leave them unchanged.
         """
-        changes = _changes(terms)
+        changes = changing_drive(terms)
         known, found = self._latest.get(i, (None, None))
         if found is None or known != changes:
             found = self._parts[i].changed(drive_changes(terms))
@@ -215,7 +216,7 @@ class Balance:
                     found.append(self._parts[i].balanced(driven, delay_of(terms), 1))
                     continue
                 h = _STEP * reach if np.isfinite(reach) else 1e-4
-                ends = [term.with_shape(_with(term.free_shape, j, x + d)) for d in (h, -h)]
+                ends = [term.with_shape(in_place(term.free_shape, j, x + d)) for d in (h, -h)]
                 own = beta[self.layout.coefficients(k)]
                 logs = list(zip(self._parts[i].logs, along, strict=True))
                 above, below = (
@@ -231,8 +232,8 @@ class Balance:
         term, x = terms[k], terms[k].free_shape[j]
         # a smaller step of a time offset would only see threshold crossings
         h = 0.1 * term.sample if isinstance(term, Timing) else _STEP * (abs(x) or 1.0)
-        moved = term.with_shape(_with(term.free_shape, j, x + h))
-        changed = (*terms[:k], moved, *terms[k + 1 :])
+        moved = term.with_shape(in_place(term.free_shape, j, x + h))
+        changed = in_place(terms, k, moved)
         there = self._target_of(self._parts[i].changed(drive_changes(changed)), changed, i)
         return np.asarray((self._target(terms, i) - there) / h)
 
@@ -296,25 +297,6 @@ def reaches(term: Term, span: float) -> list[tuple[float, float]]:
             reach = 0.6 * abs(x) + 1e-12 if x else np.inf
         found.append((x, reach))
     return found
-
-
-def id_of(term: Term) -> tuple[str, tuple[float, ...], object]:
-    """Key of everything that determines the columns of a term."""
-    return term.name, term.shape, term
-
-
-def term_key(term: Term, law: Shape | None) -> tuple[object, ...]:
-    """Cache key for the columns of a term, including the law if the columns depend on it."""
-    return "term", id_of(term), law
-
-
-def _changes(terms: tuple[Term, ...]) -> tuple[object, ...]:
-    """Key of everything that determines the drive."""
-    return tuple(id_of(t) for t in changing_drive(terms))
-
-
-def _with(shape: tuple[float, ...], j: int, x: float) -> tuple[float, ...]:
-    return (*shape[:j], x, *shape[j + 1 :])
 
 
 def coefficient_bounds(prepared: Prepared, layout: Layout) -> tuple[Array, Array]:

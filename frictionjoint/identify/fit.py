@@ -148,18 +148,21 @@ class Fit:
     @property
     def friction(self) -> Array:
         """Torque of the law alone, N m, shape (n,)."""
-        at = [self.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in self.names]
-        return np.asarray(self.jacobian[:, at] @ self.beta[at])
+        return np.asarray(self.jacobian[:, self.of_law] @ self.beta[self.of_law])
+
+    @property
+    def of_law(self) -> list[int]:
+        """Indices of the linear columns of the law."""
+        return [self.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in self.names]
 
     def coefficient(self, name: str) -> float:
-        """A linear coefficient in N m per unit of its column."""
-        return float(self.beta[self.names.index(name)] * self.gain)
+        """A linear coefficient in N m per unit of its column; 0 where the fit has none."""
+        return float(self.beta[self.names.index(name)] * self.gain) if name in self.names else 0.0
 
     @property
     def levels(self) -> tuple[float, float]:
         """Fc, and sigma2 or 0 where the fit has none, N m and N m s/rad."""
-        sigma2 = self.coefficient("sigma2") if "sigma2" in self.names else 0.0
-        return self.coefficient("Fc"), sigma2
+        return self.coefficient("Fc"), self.coefficient("sigma2")
 
     @property
     def has_level(self) -> bool:

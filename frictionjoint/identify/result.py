@@ -93,7 +93,7 @@ def law_parameters(fitted: Fit) -> Friction:
 
 def _linear(fitted: Fit) -> list[float]:
     """Fc, sigma2 and sigma1; 0 where the fit has none."""
-    return [fitted.coefficient(name) if name in fitted.names else 0.0 for name in _LINEAR]
+    return [fitted.coefficient(name) for name in _LINEAR]
 
 
 def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:

@@ -39,11 +39,6 @@ HEARD = 2.0
 FEWEST_WAVES, HALF_A_WAVE = 1.5, 0.5
 
 
-def shape_limits(term: Term) -> tuple[tuple[float, float], ...]:
-    """Physical range of each searched shape number."""
-    return term.limits or ((-np.inf, np.inf),) * len(term.free_shape)
-
-
 def _ends(layout: Layout, k: int) -> tuple[int, int]:
     at = layout.numbers(k)
     return at.start, at.stop
@@ -172,7 +167,7 @@ class Search:
 
         A frequency in position is at least one wave per turn.
         """
-        limits = list(shape_limits(term))
+        limits = list(term.limits)
         if isinstance(term, EffectTerm):
             if term.effect.is_wave:
                 wave, now = 2.0 * math.pi / self.prepared.usual_travel, term.free_shape[0]
@@ -376,9 +371,6 @@ class Search:
         X, y, beta, acting, _ = self.solved(x)
         shape, terms = self.split(x)
         gain = float(1.0 / beta[0]) if self.prepared.gain_unknown else 1.0
-        index = np.concatenate(
-            [np.full(int(s.kept.sum()), i) for i, s in enumerate(self.prepared.segments)]
-        )
         moves = self.balance.moves(shape, terms, beta)
         low, high = self._ranges(shape, terms)
         near = 1e-4 * (self.bounds[1] - self.bounds[0])
@@ -406,7 +398,7 @@ class Search:
             ),
             low=np.concatenate([self.low, low - x]),
             high=np.concatenate([self.high, high - x]),
-            log_index=index,
+            log_index=self.prepared.log_index,
             begun=np.hstack([np.zeros((len(y), 0)), *swings]) * gain,
             target_rms=root_mean_square(self._drive(y) * gain),
             acting=acting,

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.effects.signals import DT, GEAR, LOAD, TIME, Q, V
 from frictionjoint.identify.band import Band, clear_of
 from frictionjoint.identify.bundle import Bundle
@@ -208,7 +208,17 @@ class Prepared:
     @property
     def samples(self) -> int:
         """Kept samples of all logs."""
-        return sum(int(s.kept.sum()) for s in self.segments)
+        return len(self.log_index)
+
+    @cached_property
+    def log_index(self) -> Index:
+        """Log of each kept sample of all logs in order, shape (n,)."""
+        counts = [int(s.kept.sum()) for s in self.segments]
+        return np.repeat(np.arange(len(counts)), counts)
+
+    def by_log(self, x: Array) -> list[Array]:
+        """Values on the kept samples of all logs in order, split by log."""
+        return np.split(x, np.searchsorted(self.log_index, np.arange(1, len(self))))
 
     @property
     def gain_unknown(self) -> bool:

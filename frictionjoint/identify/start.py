@@ -63,12 +63,12 @@ def _starts(prepared: Prepared, fitted: Fit) -> list[float]:
     """Torque over Fc at the first sample of each log."""
     heads = replace(prepared, segments=_heads(prepared, fitted.shape))
     known = np.array([s.held for s in heads.segments])
-    whole = [_squares(x) for x in _split(_left(prepared, fitted), prepared)]
+    whole = [_squares(x) for x in prepared.by_log(_left(prepared, fitted))]
     left, before = _left(heads, fitted), _of_law(heads, fitted, known)
 
     def squares(held: Array) -> Array:
         # all but the law and what follows it stays as it is
-        left_of_each = _split(left - (_of_law(heads, fitted, held) - before), heads)
+        left_of_each = heads.by_log(left - (_of_law(heads, fitted, held) - before))
         return np.array([_squares(x) for x in left_of_each])
 
     tried = np.array([squares(np.full(len(heads), x)) for x in _TRIALS])
@@ -77,7 +77,7 @@ def _starts(prepared: Prepared, fitted: Fit) -> list[float]:
     def start(i: int) -> float:
         """Of one log."""
         one, step = heads.subset([i]), _TRIALS[1] - _TRIALS[0]
-        mine, its = _split(left, heads)[i], _split(before, heads)[i]
+        mine, its = heads.by_log(left)[i], heads.by_log(before)[i]
         found = minimize_scalar(
             lambda held: _squares(mine - (_of_law(one, fitted, np.array([held])) - its)),
             bounds=(best[i] - step, best[i] + step),
@@ -144,11 +144,6 @@ def _of_law(prepared: Prepared, fitted: Fit, held: Array) -> Array:
     return balance.of_law(fitted.shape, fitted.terms, fitted.beta, held)
 
 
-def _split(x: Array, prepared: Prepared) -> list[Array]:
-    """Values on the kept samples of all logs, split by log."""
-    return np.split(x, np.cumsum([int(s.kept.sum()) for s in prepared.segments])[:-1])
-
-
 def _squares(x: Array) -> float:
     return float(np.sum(x**2))
 
@@ -210,7 +205,6 @@ class Prediction(NamedTuple):
 @lru_cache(maxsize=8)
 def predict(prepared: Prepared, fitted: Fit) -> Prediction:
     """Prediction of a fit for logs, without refitting; their initial states are estimated."""
-    law = [fitted.names.index(n) for n in ("Fc", "sigma1", "sigma2") if n in fitted.names]
     # the model's columns are those of the logs it was fitted to, let go or not
     like = replace(prepared, let_go=prepared.voltage_driven and "sigma2" in fitted.names)
     begun = with_starts(like, fitted)
@@ -220,7 +214,7 @@ def predict(prepared: Prepared, fitted: Fit) -> Prediction:
     torques = (
         y * fitted.gain + known,
         X @ fitted.beta * fitted.gain + known,
-        X[:, law] @ fitted.beta[law] * fitted.gain,
+        X[:, fitted.of_law] @ fitted.beta[fitted.of_law] * fitted.gain,
         begun.weight,
     )
-    return Prediction(*(_split(x, begun) for x in torques))
+    return Prediction(*(begun.by_log(x) for x in torques))

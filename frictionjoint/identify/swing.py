@@ -4,7 +4,6 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.design import id_of
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.terms import EffectTerm, Term
 
@@ -32,4 +31,4 @@ def swings_of(prepared: Prepared, term: Term) -> Array:
     def made() -> Array:
         return np.asarray(block_diag(*(swing_columns(s, term)[0] for s in prepared.segments)))
 
-    return prepared.columns.get(("swings", id_of(term)), made)
+    return prepared.columns.get(("swings", term), made)

@@ -1,7 +1,7 @@
 """Terms that a fit can add to the friction law: their interface, and the catalogue's effects."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from frictionjoint.effects.signals import GEAR, SAG, SWAY
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
+
+_T = TypeVar("_T")
 
 
 class Term(Protocol):
@@ -36,7 +38,7 @@ class Term(Protocol):
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Physical range of each of them; none if empty."""
+        """Physical range of each of them, infinite where there is none."""
 
     def with_shape(self, shape: tuple[float, ...]) -> "Term":
         """The term with other shape numbers."""
@@ -88,7 +90,8 @@ class EffectTerm:
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
         """Bounds of the effect."""
-        return self.effect.shape_bounds[self.effect.shape_fixed :]
+        found = self.effect.shape_bounds[self.effect.shape_fixed :]
+        return found or ((-np.inf, np.inf),) * len(self.free_shape)
 
     def with_shape(self, shape: tuple[float, ...]) -> "EffectTerm":
         """The effect with other shape numbers."""
@@ -192,9 +195,9 @@ def delay_of(terms: tuple[Term, ...]) -> float:
     return sum(t.delay for t in terms)
 
 
-def in_place(terms: tuple[Term, ...], i: int, term: Term) -> tuple[Term, ...]:
-    """The terms with another one in place of the i-th."""
-    return (*terms[:i], term, *terms[i + 1 :])
+def in_place(items: tuple[_T, ...], i: int, other: _T) -> tuple[_T, ...]:
+    """Some items, such as terms, with another one in place of the i-th."""
+    return (*items[:i], other, *items[i + 1 :])
 
 
 def all_but(terms: tuple[Term, ...], term: Term) -> tuple[Term, ...]:

@@ -9,7 +9,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, inertia_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
-from frictionjoint.identify.search import shape_limits
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.timing import DriveTiming, Timing
@@ -114,7 +113,7 @@ class Vector:
         high += list(most_law)
         for term in self.fitted.terms:
             # a length, a speed or a frequency is not zero
-            limits, scale = shape_limits(term), 1e-3
+            limits, scale = term.limits, 1e-3
             if isinstance(term, DriveTiming):  # a simulation knows no torque before its cause
                 limits, scale = ((0.0, 0.05),), 0.0
             for x, (least, most) in zip(term.free_shape, limits, strict=True):
