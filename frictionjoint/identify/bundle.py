@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.control.reconstruct import AllCommands
 from frictionjoint.effects.signals import LOAD, A, V
 from frictionjoint.identify.cache import Cache
-from frictionjoint.identify.commanded import Change, CommandedLogs
+from frictionjoint.identify.commanded import Change, CommandedLogs, Output
 from frictionjoint.identify.tracks import Tracks
 from frictionjoint.measured.lowpass import LowPasses, Spectrum, places
 
@@ -84,33 +85,31 @@ class Bundle:
         if not changes or self._commanded is None:
             return self.driven
         drive = np.concatenate([log.drive for log in self.logs])
-        self._put(self._commanded.drive(changes), drive)
-        return self._filters.spectra(drive[None])
+        return self._filters.spectra(self._put(AllCommands.mean_drive, changes, drive)[None])
 
     def answer(self, changes: Sequence[Change]) -> Array:
         """Change of the controllers' drives per small error of position, per rad (m), (m,).
 
         Zero for a measured drive.
         """
-        found = np.zeros_like(self.velocity)
-        if self._commanded is not None:
-            self._put(self._commanded.answer(changes), found)
+        found = self._put(AllCommands.answer, changes, np.zeros_like(self.velocity))
         return self.kept(found[None])[:, 0]
 
     def damping_rate(self, changes: Sequence[Change]) -> Array:
         """Rate of the damping part of the controllers' drives, in drive units per s, (m,)."""
-        found = np.zeros_like(self.velocity)
-        if self._commanded is not None:
-            self._put(self._commanded.damping(changes), found)
+        found = self._put(AllCommands.damping, changes, np.zeros_like(self.velocity))
         return self.kept((found * self.row(A))[None])[:, 0]
 
-    def _put(self, made: Array, all_logs: Array) -> None:
-        """Write controller outputs into the slices of their logs."""
+    def _put(self, output: Output, changes: Sequence[Change], all_logs: Array) -> Array:
+        """Values of all logs, with outputs of changed controllers in the slices of their logs."""
+        if self._commanded is None:
+            return all_logs
+        made = self._commanded.output(output, changes)
         commanded = [i for i, log in enumerate(self.logs) if log.commanded is not None]
-        assert self._commanded is not None
         for i, own in zip(commanded, self._commanded.places, strict=True):
             # a log may have been cut off since
             all_logs[self.places[i]] = made[own][: len(self.logs[i].drive)]
+        return all_logs
 
     @cached_property
     def _commanded(self) -> CommandedLogs | None:

@@ -18,6 +18,8 @@ from frictionjoint.measured.lowpass import LowPass, LowPasses, places
 
 # from block and delay of a controller to those of another one
 Change = Callable[[Array, float], tuple[Array, float]]
+# an output of several controllers, given their blocks and delays
+Output = Callable[[AllCommands, Array, Array], Array]
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class Commanded:
 
     def drive(self, changes: Sequence[Change]) -> Array:
         """Drive of the controller with some changes applied in order, shape (n,)."""
-        return CommandedLogs([self]).drive(changes)
+        return CommandedLogs([self]).output(AllCommands.mean_drive, changes)
 
     def thinned(self, smooth: LowPass) -> "Commanded":
         """The commands on a coarser grid, after one more filter."""
@@ -62,20 +64,9 @@ class CommandedLogs:
         self._filters = [LowPasses(filters) for filters in stages]
         self.places = places([log.filters[-1].given for log in logs])
 
-    def drive(self, changes: Sequence[Change]) -> Array:
-        """Drives of all logs, concatenated, shape (n,); see `Commanded.drive`."""
-        return self._behind(self._commands.mean_drive(*self._changed(changes)))
-
-    def answer(self, changes: Sequence[Change]) -> Array:
-        """Change of the drives per small change of position, per rad, (n,)."""
-        return self._behind(self._commands.answer(*self._changed(changes)))
-
-    def damping(self, changes: Sequence[Change]) -> Array:
-        """Decrease of the drives per small velocity, per rad/s, (n,)."""
-        return self._behind(self._commands.damping(*self._changed(changes)))
-
-    def _changed(self, changes: Sequence[Change]) -> tuple[Array, Array]:
-        """Block and delay of each log's controller after some changes."""
+    def output(self, of: Output, changes: Sequence[Change]) -> Array:
+        """An output of the controllers of all logs after some changes, on the grids of the fit and
+        filtered, shape (n,)."""
         blocks, delays = [], []
         for log in self._logs:
             block, delay = log.block.copy(), log.delay
@@ -83,10 +74,7 @@ class CommandedLogs:
                 block, delay = change(block, delay)
             blocks.append(block)
             delays.append(delay)
-        return np.array(blocks), np.array(delays)
-
-    def _behind(self, made: Array) -> Array:
-        """Controller outputs at its samples, on the grid of the fit and filtered."""
+        made = of(self._commands, np.array(blocks), np.array(delays))
         x = np.empty_like(self._grid)
         _fill_uniform(self._commands.time, made, self._commands.edges, self._grid, self._edges, x)
         rows = x[None]

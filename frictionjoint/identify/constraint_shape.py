@@ -16,6 +16,7 @@ from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.identify.law_start import LawStart
 from frictionjoint.identify.rival_shape import RivalShape
+from frictionjoint.identify.shape import Shape
 from frictionjoint.law.motion import edges_of
 from frictionjoint.parameters import FrictionParameters
 
@@ -26,7 +27,7 @@ _LEADS = (0.7 * LEAD, 1.05 * LEAD)
 
 
 @dataclass(frozen=True)
-class ConstraintShape:
+class ConstraintShape(Shape):
     """S(|v|) sat((v + lead a) / V0), with the numbers of a static law.
 
     Attributes:
@@ -41,7 +42,6 @@ class ConstraintShape:
     damped = False
     steps = True
     stiffness_assumed = True
-    damping = 0.0
 
     @property
     def breakaway_assumed(self) -> bool:
@@ -75,10 +75,6 @@ class ConstraintShape:
     def started(self, start: LawStart) -> list[Self]:
         """One shape per start of the static law, with the present lead."""
         return [replace(self, static=shape) for shape in self.static.started(start)]
-
-    def last_choices(self) -> list[Self]:
-        """The shape itself: the start of a log leaves no choice."""
-        return [self]
 
     def with_assumed_stiffness(self, reach: float) -> Self:
         """The shape that reaches its level within an assumed displacement, rad (m)."""

@@ -16,9 +16,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import H
 from frictionjoint.identify.basis import lengths
 from frictionjoint.identify.bundle import Bundle, Spectra
-from frictionjoint.identify.law_signals import columns_of_term, with_track
+from frictionjoint.identify.law_signals import columns_of_term, with_motor, with_track
 from frictionjoint.identify.layout import Layout, layout_of, term_bounds
-from frictionjoint.identify.motor_torque import with_motor
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import (
@@ -60,7 +59,7 @@ class Balance:
 
         Args:
             beta: coefficients that give the motor torque; without them, columns that depend on it
-                are zero, see `motor_torque`.
+                are zero, see `with_motor`.
         """
         with side_by_side() as each:
             X = list(each(partial(self._some_columns, law, terms), range(len(self._parts))))

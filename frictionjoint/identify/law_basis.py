@@ -53,7 +53,7 @@ class LinearLaw:
         Returns:
             each of shape (n,).
         """
-        sticks = np.abs(_elements(s, self.reaches)) < 1.0
+        sticks = np.abs(elastic_plastic(s.signals[:, Q], self.reaches)) < 1.0
         each = falls(np.abs(s.signals[:, V]) / top_speed) @ self.levels
         total = np.maximum(each.sum(axis=1), np.finfo(float).tiny)
         return (each * sticks).sum(axis=1) / total, (each * sticks) @ (1.0 / self.reaches)
@@ -86,7 +86,7 @@ class LawBasis:
         return self.prepared.columns.get("law", lambda: np.concatenate(list(parts)))
 
     def _along(self, s: Segment) -> Array:
-        z = _elements(s, self.reaches)
+        z = elastic_plastic(s.signals[:, Q], self.reaches)
         v = s.signals[:, V]
         fall = falls(np.abs(v) / self.prepared.top_speed)
         levels = (fall[:, :, None] * z[:, None, :]).reshape(len(v), -1)
@@ -117,8 +117,3 @@ class LawBasis:
         of_law = beta[: own.shape[1]].reshape(-1, len(self.reaches))
         rms = root_mean_square(residual * weight)
         return LinearLaw(self.reaches, of_law[:-1] if damped else of_law, rms, residual)
-
-
-def _elements(s: Segment, reaches: Array) -> Array:
-    """Torque along a log of elements with level 1, shape (n, k)."""
-    return elastic_plastic(np.ascontiguousarray(s.signals[:, Q]), reaches)

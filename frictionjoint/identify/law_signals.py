@@ -1,13 +1,14 @@
 """Signals of logs with the friction of a law filled in, and the columns that terms make of them."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, MOTOR, RATE, H, V
 from frictionjoint.identify.bundle import Bundle
-from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.layout import Layout
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 
@@ -33,6 +34,38 @@ def columns_of_term(term: Term, signals: Iterable[Array], part: Bundle) -> Array
     """Columns of a term along each log of a bundle, on the kept samples, (m, k)."""
     logs = zip(part.logs, signals, strict=True)
     return part.kept(np.concatenate([term.columns(s, x) for s, x in logs]).T)
+
+
+def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment]) -> Array:
+    """The columns, including those that depend on the motor torque, in a fit to voltage or current.
+
+    The motor torque equals the rest of the balance, without what acts on the motor. So it follows
+    from the unknown coefficients: these columns and the coefficients are computed alternately. It
+    is filtered, because the motion is known no finer, and unfiltered steps of friction would stand
+    out.
+
+    Args:
+        X: columns in the order of the layout, shape (n, k), the first that of the load.
+        beta: coefficients in units of the drive, shape (k,).
+        segments: the logs whose kept samples are the rows.
+    """
+    at = [i for i, term in enumerate(layout.terms) if MOTOR in term.effect.needs]
+    if not at:
+        return X
+    taken = beta.copy()
+    for i, term in enumerate(layout.terms):
+        if term.effect.on_motor:
+            taken[layout.coefficients(i)] = 0.0
+    torque = X @ taken / beta[0]
+    filled, begin = X.copy(), 0
+    for segment in segments:
+        signals = segment.kept_signals.copy()
+        end = begin + len(signals)
+        signals[:, MOTOR] = torque[begin:end]
+        for i in at:
+            filled[begin:end, layout.coefficients(i)] = layout.terms[i].columns(segment, signals)
+        begin = end
+    return np.asarray(filled)
 
 
 def balance(signals: Array, Fc: float, sigma2: float) -> Array:

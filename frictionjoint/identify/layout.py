@@ -50,13 +50,18 @@ class Layout:
 
     def numbers(self, i: int) -> slice:
         """Slice of the free shape numbers of term i."""
-        first = self.shape.stop + sum(_free(t) for t in self.terms[:i])
+        at, linear = self.searched(i), self.linear.stop
+        return slice(linear + at.start, linear + at.stop)
+
+    def searched(self, i: int) -> slice:
+        """Slice of the free shape numbers of term i among the nonlinear numbers."""
+        first = len(self.law) + sum(_free(t) for t in self.terms[:i])
         return slice(first, first + _free(self.terms[i]))
 
     def of_term(self, i: int) -> list[int]:
         """Indices of all parameters of term i."""
-        first, second = self.coefficients(i), self.numbers(i)
-        return [*range(first.start, first.stop), *range(second.start, second.stop)]
+        whole = range(len(self.names))
+        return [*whole[self.coefficients(i)], *whole[self.numbers(i)]]
 
 
 def _free(term: Term) -> int:

@@ -44,9 +44,5 @@ def with_sizes(beta: Array, layout: Layout) -> Array:
 
 def _own(layout: Layout) -> list[int]:
     """Indices of the coefficients of effects tied to the load."""
-    return [
-        k
-        for i, term in enumerate(layout.terms)
-        if term.effect.of_load
-        for k in range(layout.coefficients(i).start, layout.coefficients(i).stop)
-    ]
+    tied = (i for i, term in enumerate(layout.terms) if term.effect.of_load)
+    return [k for i in tied for k in range(layout.linear.stop)[layout.coefficients(i)]]

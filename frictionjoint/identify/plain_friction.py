@@ -31,4 +31,4 @@ def plain_friction(s: Segment, top: float) -> Array:
     # below 2% of the top speed friction is changing its side
     side = np.clip(v / (0.02 * top), -1.0, 1.0)
     reaches = _REACHES * (float(np.ptp(q)) or 1.0)
-    return np.column_stack([side, elastic_plastic(np.ascontiguousarray(q), reaches)])
+    return np.column_stack([side, elastic_plastic(q, reaches)])

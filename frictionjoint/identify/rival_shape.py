@@ -52,7 +52,7 @@ _START = {
 
 
 @dataclass(frozen=True)
-class RivalShape:
+class RivalShape(Shape):
     """Search variables of another law: Fs / Fc - 1, Vs, delta, then its own.
 
     `length` is Fs (Dahl: Fc) over the stiffness, so that it has a similar meaning in every law.
@@ -67,9 +67,6 @@ class RivalShape:
     numbers: tuple[float, ...]
     least_rate: float = 0.1
     breakaway_assumed: bool = False
-
-    steps = stiffness_assumed = False
-    damping = 0.0
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -123,14 +120,6 @@ class RivalShape:
             own, steps = "log V0 over Vs", np.log((0.1, 1.0, 3.0))
         moves = self.variables.index(own) == np.arange(len(numbers))
         return [self.moved(numbers + step * moves) for step in steps]
-
-    def last_choices(self) -> list[Self]:
-        """The shape itself: the start of a log leaves no choice."""
-        return [self]
-
-    def with_assumed_stiffness(self, reach: float) -> Self:
-        """The shape itself: its stiffness is a number of the law."""
-        return self
 
     def with_assumed_breakaway(self, excess: float) -> Self:
         """The shape with Fs = (1 + excess) Fc, not searched."""

@@ -17,7 +17,7 @@ from frictionjoint.effects.signals import MOTOR, Q
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
 from frictionjoint.identify.elastic_share import RESOLUTION, implied_share
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.layout import Layout, layout_of
+from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
 from frictionjoint.identify.open_times import timed
 from frictionjoint.identify.pattern_search import pattern_search
@@ -37,11 +37,6 @@ HEARD = 2.0
 # waves in the usual range of positions, or the longest log: fewer are nearly any curve. A fit may
 # move a wave by half of one, which is the width of a line of the spectrum.
 FEWEST_WAVES, HALF_A_WAVE = 1.5, 0.5
-
-
-def _ends(layout: Layout, k: int) -> tuple[int, int]:
-    at = layout.numbers(k)
-    return at.start, at.stop
 
 
 @one_thread
@@ -195,11 +190,9 @@ class Search:
         key, known = x.tobytes(), self._split
         if known is not None and known[0] == key:
             return known[1]
-        first = self.layout.linear.stop
         terms = []
         for i, term in enumerate(self.terms):
-            at = self.layout.numbers(i)
-            moved = tuple(float(n) for n in x[at.start - first : at.stop - first])
+            moved = tuple(float(n) for n in x[self.layout.searched(i)])
             terms.append(term.with_shape(moved) if moved else term)
         numbers = x[: len(self.layout.law)]
         # the law that a search starts from is known along the logs, unlike one that differs from it
@@ -226,13 +219,8 @@ class Search:
     @property
     def leaping(self) -> list[int]:
         """Indices of the numbers with discontinuous influence on the torque."""
-        first = self.layout.linear.stop
-        return [
-            k - first
-            for i, t in enumerate(self.terms)
-            if t.effect.leaps
-            for k in range(*_ends(self.layout, i))
-        ]
+        leap = (i for i, term in enumerate(self.terms) if term.effect.leaps)
+        return [k for i in leap for k in range(len(self.scale))[self.layout.searched(i)]]
 
     def squares(self, x: Array) -> float:
         """Residual sum of squares at a point."""
@@ -361,7 +349,7 @@ class Search:
             left, y = unit * (y - X @ beta) * self.weight, y * self.weight
             for k, term in enumerate(self.terms):
                 if isinstance(term, DriveTerm):
-                    at = slice(*(n - self.layout.linear.stop for n in _ends(self.layout, k)))
+                    at = self.layout.searched(k)
                     # these move the drive alone, whose size is in the unit
                     found[:, at] += np.outer(left, y @ moves[:, at]) / (y @ y)
         return np.asarray(found)

@@ -35,10 +35,12 @@ class Shape(Protocol):
     @property
     def steps(self) -> bool:
         """Whether the law belongs to a simulator, so that the logs contain its time steps."""
+        return False
 
     @property
     def stiffness_assumed(self) -> bool:
         """Whether the stiffness is assumed, see `assumptions.with_assumed_stiffness`."""
+        return False
 
     @property
     def breakaway_assumed(self) -> bool:
@@ -47,13 +49,15 @@ class Shape(Protocol):
     @property
     def damping(self) -> float:
         """sigma1 over Fc that is assumed, s/rad, see `assumptions.with_assumed_damping`."""
+        return 0.0
 
     def with_assumed_stiffness(self, reach: float) -> Self:
-        """This shape with an assumed stiffness, which is not searched.
+        """This shape with an assumed stiffness that is not searched; itself if it is searched.
 
         Args:
             reach: the shortest presliding length that the logs resolve, rad (m).
         """
+        return self
 
     def vector(self) -> Array:
         """The numbers searched, shape (k,)."""
@@ -69,7 +73,8 @@ class Shape(Protocol):
         """Starting shapes of this kind."""
 
     def last_choices(self) -> list[Self]:
-        """Variants of this shape that matter only at the start of a log."""
+        """Variants of this shape that matter only at the start of a log; usually itself."""
+        return [self]
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law with a Coulomb level, N m."""
@@ -138,7 +143,7 @@ _SHARP = 12.0
 
 
 @dataclass(frozen=True)
-class IntegratedShape:
+class IntegratedShape(Shape):
     """Search variables of the integrated law.
 
     Attributes:
@@ -165,8 +170,6 @@ class IntegratedShape:
     stiffness_assumed: bool = False
     breakaway_assumed: bool = False
     damping: float = 0.0
-
-    steps = False
 
     @property
     def variables(self) -> tuple[str, ...]:

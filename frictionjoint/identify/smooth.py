@@ -268,13 +268,13 @@ class HysteresisTerm(SmoothTerm):
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
-        return elastic_plastic(np.ascontiguousarray(signals[:, Q]), np.array(self.reaches))
+        return elastic_plastic(signals[:, Q], np.array(self.reaches))
 
 
 def elastic_plastic(q: Array, reaches: Array) -> Array:
     """Torque of elastic-plastic elements of level 1 along a motion, shape (n, k)."""
     out = np.zeros((len(q), len(reaches)))
-    _fill_elastic_plastic(q, reaches, out)
+    _fill_elastic_plastic(np.ascontiguousarray(q), reaches, out)
     return out
 
 
