@@ -7,6 +7,7 @@
 All columns and the target pass the same filter (`Segment.lowpass`).
 """
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -50,7 +51,7 @@ class Balance:
         self.layout: Layout = layout_of(prepared, law, terms)
         self.span = prepared.span
         self._parts = prepared.bundles(threads_here())
-        self._latest: dict[int, tuple[object, Spectra]] = {}
+        self._latest: dict[Bundle, tuple[object, Spectra]] = {}
 
     def columns(
         self, law: Shape, terms: tuple[Term, ...], beta: Array | None = None
@@ -61,13 +62,11 @@ class Balance:
             beta: coefficients that give the motor torque; without them, columns that depend on it
                 are zero, see `with_motor`.
         """
-        with side_by_side() as each:
-            X = list(each(partial(self._some_columns, law, terms), range(len(self._parts))))
-            y = list(each(partial(self._target, terms), range(len(self._parts))))
-        whole = np.concatenate(X)
+        whole = np.concatenate(self._each(partial(self._some_columns, law, terms)))
+        y = np.concatenate(self._each(partial(self._target, terms)))
         if beta is not None:
             whole = with_motor(whole, beta, self.layout, self.prepared.segments)
-        return whole, np.concatenate(y)
+        return whole, y
 
     def moves(
         self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool = True
@@ -81,34 +80,35 @@ class Balance:
                 omits.
         """
         make = partial(self._some_moves, law, terms, beta, through_terms)
-        with side_by_side() as each:
-            found = list(each(make, range(len(self._parts))))
-        return np.concatenate(found)
+        return np.concatenate(self._each(make))
 
     def differentiate(self, law: Shape) -> None:
         """Evaluate a law and its derivatives in one pass, for `columns` and `moves`.
 
         One after the other they would pass along the logs twice.
         """
-        with side_by_side() as each:
-            list(each(partial(self._unit_moves, law), range(len(self._parts))))
+        self._each(partial(self._unit_moves, law))
 
-    def _some_columns(self, law: Shape, terms: tuple[Term, ...], i: int) -> Array:
-        """Columns for the logs of part i; the following methods also compute part i only."""
-        known, names = self._parts[i].load_and_velocity, self.layout.base
+    def _each(self, make: Callable[[Bundle], Array]) -> list[Array]:
+        """What is made of each part of the logs, side by side."""
+        with side_by_side() as each:
+            return list(each(make, self._parts))
+
+    def _some_columns(self, law: Shape, terms: tuple[Term, ...], part: Bundle) -> Array:
+        """Columns for a part of the logs."""
+        known, names = part.load_and_velocity, self.layout.base
         age = age_of(terms, DampingAge)
         if age:
-            known = known - np.outer(self._parts[i].rate, [0.0, age])
+            known = known - np.outer(part.rate, [0.0, age])
         parts = [known[:, k : k + 1] for k, x in enumerate(("load", "sigma2")) if x in names]
-        stored = self._parts[i].store.get
-        own = self._parts[i]
+        stored = part.store.get
         parts.append(
-            stored(("law", names, law), lambda: self._columns_of(self._track(law, i), own))
+            stored(("law", names, law), lambda: self._columns_of(self._track(law, part), part))
         )
         for term in terms:
             if term.coefficients:
                 key = "term", term, law if term.follows_law else None
-                parts.append(stored(key, partial(self._term, term, law, i)))
+                parts.append(stored(key, partial(self._term, term, law, part)))
         return np.column_stack(parts)
 
     def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, held: Array) -> Array:
@@ -131,25 +131,20 @@ class Balance:
             first += len(part.logs)
         return np.concatenate(found)
 
-    def _target(self, terms: tuple[Term, ...], i: int) -> Array:
-        delay, age, changes = delay_of(terms), age_of(terms), tuple(changing_drive(terms))
+    def _target(self, terms: tuple[Term, ...], part: Bundle) -> Array:
+        key = "target", delay_of(terms), age_of(terms), *changing_drive(terms)
+        return part.store.get(key, lambda: self._target_of(self._driven(terms, part), terms, part))
 
-        def make() -> Array:
-            return self._target_of(self._driven(terms, i), terms, i)
-
-        return self._parts[i].store.get(("target", delay, age, changes), make)
-
-    def _target_of(self, driven: Spectra, terms: tuple[Term, ...], i: int) -> Array:
+    def _target_of(self, driven: Spectra, terms: tuple[Term, ...], part: Bundle) -> Array:
         """Target of the columns, with the drive as changed by the terms."""
-        drive, age = self._parts[i].balanced(driven, delay_of(terms)), age_of(terms)
+        drive, age = part.balanced(driven, delay_of(terms)), age_of(terms)
         if age:
-            drive = drive + age * self._damping_rate(terms, i)
-        known = self._parts[i].load_and_velocity[:, 0]
+            drive = drive + age * self._damping_rate(terms, part)
+        known = part.load_and_velocity[:, 0]
         return drive if self.prepared.gain_unknown else drive - known
 
-    def _damping_rate(self, terms: tuple[Term, ...], i: int) -> Array:
+    def _damping_rate(self, terms: tuple[Term, ...], part: Bundle) -> Array:
         """Damping rate of the drive as changed by the terms, see `Bundle`."""
-        part = self._parts[i]
         key = "damping rate", *changing_drive(terms)
         return part.store.get(key, lambda: part.damping_rate(drive_changes(terms)))
 
@@ -165,82 +160,81 @@ class Balance:
             return part.kept(np.stack([track[0], track[1] * part.velocity]))
         return part.kept(track[:1])
 
-    def _term(self, term: Term, law: Shape, i: int) -> Array:
-        return columns_of_term(term, self._signals(term, law, i), self._parts[i])
+    def _term(self, term: Term, law: Shape, part: Bundle) -> Array:
+        return columns_of_term(term, self._signals(term, law, part), part)
 
-    def _signals(self, term: Term, law: Shape, i: int) -> list[Array]:
+    def _signals(self, term: Term, law: Shape, part: Bundle) -> list[Array]:
         """Signals of each log in the form that a term requires."""
         if term.follows_law:
-            return list(with_track(self._track(law, i), self._parts[i]))
-        return [s.signals for s in self._parts[i].logs]
+            return list(with_track(self._track(law, part), part))
+        return [s.signals for s in part.logs]
 
-    def _driven(self, terms: tuple[Term, ...], i: int) -> Spectra:
+    def _driven(self, terms: tuple[Term, ...], part: Bundle) -> Spectra:
         """Drives that these terms compute from the logs' commands.
 
         The latest ones are cached, because other numbers leave them unchanged.
         """
         changes = changing_drive(terms)
-        known, found = self._latest.get(i, (None, None))
+        known, found = self._latest.get(part, (None, None))
         if found is None or known != changes:
-            found = self._parts[i].changed(drive_changes(terms))
-            self._latest[i] = changes, found
+            found = part.changed(drive_changes(terms))
+            self._latest[part] = changes, found
         return found
 
-    def _track(self, law: Shape, i: int) -> Array:
+    def _track(self, law: Shape, part: Bundle) -> Array:
         """H and dz/dq, shape (2, n)."""
-        part = self._parts[i]
         return part.store.get(("track", law), lambda: part.tracks.along(law))
 
     def _some_moves(
-        self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool, i: int
+        self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool, part: Bundle
     ) -> Array:
-        found = list(self._law_moves(law, terms if through_terms else (), beta, i).T)
+        found = list(self._law_moves(law, terms if through_terms else (), beta, part).T)
         for k, term in enumerate(terms):
-            along = self._signals(term, law, i) if term.free_shape else []
+            along = self._signals(term, law, part) if term.free_shape else []
             for j, (x, reach) in enumerate(reaches(term, self.span)):
                 if isinstance(term, DriveTerm | TargetTiming):
-                    found.append(self._drive_move(terms, k, j, i))
+                    found.append(self._drive_move(terms, k, j, part))
                     continue
                 if isinstance(term, DampingAge):
                     names = self.layout.base
                     sigma2 = beta[names.index("sigma2")] if "sigma2" in names else 0.0
-                    found.append(-sigma2 * self._parts[i].rate)
+                    found.append(-sigma2 * part.rate)
                     continue
                 if isinstance(term, VelocityAge):
-                    found.append(-self._damping_rate(terms, i))
+                    found.append(-self._damping_rate(terms, part))
                     continue
-                if term.delay or not term.coefficients:
+                if not term.coefficients:
                     # the drive of an earlier time
-                    driven = self._driven(terms, i)
-                    found.append(self._parts[i].balanced(driven, delay_of(terms), 1))
+                    driven = self._driven(terms, part)
+                    found.append(part.balanced(driven, delay_of(terms), 1))
                     continue
                 h = _STEP * reach if np.isfinite(reach) else 1e-4
                 ends = [term.with_shape(in_place(term.free_shape, j, x + d)) for d in (h, -h)]
                 own = beta[self.layout.coefficients(k)]
-                logs = list(zip(self._parts[i].logs, along, strict=True))
+                logs = list(zip(part.logs, along, strict=True))
                 above, below = (
                     np.concatenate([torque_of(end, s, signals, own) for s, signals in logs])
                     for end in ends
                 )
-                found.append(self._parts[i].kept((above - below)[None] / (2.0 * h))[:, 0])
-        kept = len(self._parts[i].load_and_velocity)
+                found.append(part.kept((above - below)[None] / (2.0 * h))[:, 0])
+        kept = len(part.load_and_velocity)
         return np.column_stack(found) if found else np.zeros((kept, 0))
 
-    def _drive_move(self, terms: tuple[Term, ...], k: int, j: int, i: int) -> Array:
+    def _drive_move(self, terms: tuple[Term, ...], k: int, j: int, part: Bundle) -> Array:
         """Derivative by number j of term k, an effect of the drive, shape (n,)."""
         term, x = terms[k], terms[k].free_shape[j]
         # a smaller step of a time offset would only see threshold crossings
         h = 0.1 * term.sample if isinstance(term, Timing) else _STEP * (abs(x) or 1.0)
         moved = term.with_shape(in_place(term.free_shape, j, x + h))
         changed = in_place(terms, k, moved)
-        there = self._target_of(self._parts[i].changed(drive_changes(changed)), changed, i)
-        return np.asarray((self._target(terms, i) - there) / h)
+        there = self._target_of(part.changed(drive_changes(changed)), changed, part)
+        return np.asarray((self._target(terms, part) - there) / h)
 
-    def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, i: int) -> Array:
+    def _law_moves(self, law: Shape, terms: tuple[Term, ...], beta: Array, part: Bundle) -> Array:
         """Derivatives by the numbers of the law, shape (n, number)."""
-        part, layout = self._parts[i], self.layout
+        layout = self.layout
         levels = [beta[layout.base.index(x)] for x in ("Fc", "sigma1") if x in layout.base]
-        found = np.tensordot(np.array(levels), self._unit_moves(law, i), axes=1)
+        found = np.tensordot(np.array(levels), self._unit_moves(law, part), axes=1)
         following = [k for k, term in enumerate(terms) if term.follows_law]
         if not following:
             return found
@@ -248,7 +242,7 @@ class Balance:
         torque = np.zeros_like(dH)
         for k in following:
             term, weights = terms[k], beta[layout.coefficients(k)]
-            logs = zip(part.logs, part.places, self._signals(term, law, i), strict=True)
+            logs = zip(part.logs, part.places, self._signals(term, law, part), strict=True)
             for s, own, signals in logs:
                 level = signals[:, H].copy()
                 here = torque_of(term, s, signals, weights)
@@ -260,9 +254,9 @@ class Balance:
                     torque[j, own] += (torque_of(term, s, signals, weights) - here) / h
         return found + part.kept(torque)
 
-    def _unit_moves(self, law: Shape, i: int) -> Array:
+    def _unit_moves(self, law: Shape, part: Bundle) -> Array:
         """Derivatives of the columns of a law by its numbers, shape (columns, n, number)."""
-        part, damped = self._parts[i], "sigma1" in self.layout.base
+        damped = "sigma1" in self.layout.base
 
         def make() -> Array:
             track, dH, drate = part.tracks.tangents(law, damped)
