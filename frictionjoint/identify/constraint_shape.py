@@ -17,7 +17,6 @@ from frictionjoint.compiled import compiled
 from frictionjoint.identify.law_start import LawStart
 from frictionjoint.identify.rival_shape import RivalShape
 from frictionjoint.identify.shape import Shape
-from frictionjoint.law.motion import edges_of
 from frictionjoint.parameters import FrictionParameters
 
 # s, 1/b = dmax timeconst / 2 of the default solimp and solref, and what steps of up to 5 ms leave
@@ -97,16 +96,13 @@ class ConstraintShape(Shape):
             knots=((2.0 * self.reach, 2.0 * Fs),),
         )
 
-    def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
+    def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
         """Level times saturated constraint force, shape (n,); it has no state, so the rate is 0."""
-        level, saturated, *_ = self._parts(time, q, edges_of(q, edges))
+        level, saturated, *_ = self._parts(time, q, edges)
         return level * saturated, np.zeros_like(q)
 
-    def tangents(
-        self, time: Array, q: Array, edges: Index | None = None
-    ) -> tuple[Array, Array, Array, Array]:
+    def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
         """`hysteresis` and its derivatives by the numbers, (k, n), written out by hand."""
-        edges = edges_of(q, edges)
         level, saturated, v, a = self._parts(time, q, edges)
         excess, _, delta, _ = self.static.numbers
         inside = np.abs(saturated) < 1.0

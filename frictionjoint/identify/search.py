@@ -21,7 +21,7 @@ from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
 from frictionjoint.identify.open_times import timed
 from frictionjoint.identify.pattern_search import pattern_search
-from frictionjoint.identify.rounding import best_of, first_least
+from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings_of
@@ -98,8 +98,7 @@ def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -
     if len(laws) == 1:
         return laws[0]
     searches = [Search(prepared, timed(prepared, terms, law), law) for law in laws]
-    left = [search.squares(search.start) for search in searches]
-    return laws[int(first_least(np.array(left)[:, None])[0])]
+    return best_of(searches, lambda search: search.squares(search.start)).law
 
 
 class Solution(NamedTuple):

@@ -14,7 +14,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Index
 from frictionjoint.identify.law_start import LawStart
 from frictionjoint.law import integrated
-from frictionjoint.law.motion import drive_integrated, edges_of
+from frictionjoint.law.motion import drive_integrated
 from frictionjoint.law.stribeck import DELTA, FS, VS
 from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.law.transition import KNOT_STRIDE
@@ -79,16 +79,14 @@ class Shape(Protocol):
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law with a Coulomb level, N m."""
 
-    def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
+    def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
         """H, and the factor of velocity in dz/dt, along motions, each of shape (n,).
 
         Args:
-            edges: start of each motion and end of the last; None: one motion.
+            edges: start of each motion and end of the last.
         """
 
-    def tangents(
-        self, time: Array, q: Array, edges: Index | None = None
-    ) -> tuple[Array, Array, Array, Array]:
+    def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
         """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n)."""
 
 
@@ -308,17 +306,15 @@ class IntegratedShape(Shape):
             found.append((z, both * F))
         return tuple(found)
 
-    def hysteresis(self, time: Array, q: Array, edges: Index | None = None) -> tuple[Array, Array]:
+    def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
         """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
-        drive_integrated(unit_block(self), time, q, edges_of(q, edges), H, rate)
+        drive_integrated(unit_block(self), time, q, edges, H, rate)
         if self.damping:
             H += self.damping * rate * _speed(time, q, edges)
         return H, rate
 
-    def tangents(
-        self, time: Array, q: Array, edges: Index | None = None
-    ) -> tuple[Array, Array, Array, Array]:
+    def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
         """`hysteresis` and its derivatives, by the tangent of the kernel, with assumed damping."""
         P = unit_block(self)
         own = self._block_tangents(P)
@@ -362,11 +358,11 @@ def _parts(bend: tuple[float, float]) -> tuple[float, float, float]:
     return 1.0, (b - a) / a / first, (c - b) / a / (first * second)
 
 
-def _speed(time: Array, q: Array, edges: Index | None) -> Array:
+def _speed(time: Array, q: Array, edges: Index) -> Array:
     """Mean velocity since the sample before, zero at the start of each motion, shape (n,)."""
     v = np.zeros_like(q)
     v[1:] = np.diff(q) / np.diff(time)
-    v[edges_of(q, edges)[:-1]] = 0.0
+    v[edges[:-1]] = 0.0
     return v
 
 

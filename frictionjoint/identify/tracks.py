@@ -56,7 +56,7 @@ class Tracks:
         """`along`, and derivatives of H and, if requested, dz/dq by the numbers of a law, (k, n)
         each."""
         time, q, edges, samples = self._whole(law)
-        level, rate, dH, drate = law.tangents(time, q, edges=edges)
+        level, rate, dH, drate = law.tangents(time, q, edges)
         moves = self._on_grid(drate, samples) if of_rate else None
         return self._on_grid(np.stack([level, rate]), samples), self._on_grid(dH, samples), moves
 

@@ -31,11 +31,6 @@ def drive(P: Vector, time: Vector, position: Vector, F: Vector) -> None:
         commit(block, p, X, x)
 
 
-def edges_of(position: Array, edges: Index | None) -> Index:
-    """Edges of motions; those of a single motion if none are given."""
-    return np.array([0, len(position)]) if edges is None else edges
-
-
 @compiled
 def drive_integrated(
     P: Vector, time: Vector, position: Vector, edges: Index, H: Vector, rate: Vector

@@ -4,13 +4,12 @@ import numpy as np
 
 from frictionjoint.arrays import Array, Index
 from frictionjoint.law.kernel import row_size
-from frictionjoint.law.motion import edges_of
 from frictionjoint.law.tangents import kernels
 from frictionjoint.law.tangents.direction import DIRECTIONS
 
 
 def driven_with_tangents(
-    law: str, P: Array, P_t: Array, time: Array, position: Array, edges: Index | None
+    law: str, P: Array, P_t: Array, time: Array, position: Array, edges: Index
 ) -> tuple[Array, Array, Array, Array]:
     """Hysteresis torque and dz/dq along a motion, and their derivatives by the law's parameters.
 
@@ -21,11 +20,10 @@ def driven_with_tangents(
         law: its name. P: its parameter block, shape (m,).
         P_t: derivative of the block in each direction, shape (k, m).
         time, position: shape (n,), s and rad, as for `motion.drive_integrated`.
-        edges: of the separate motions, see `motion.drive_integrated`; None: a single motion.
+        edges: of the separate motions, see `motion.drive_integrated`.
     Returns:
         H, rate, each of shape (n,), and their derivatives in every direction, of shape (k, n).
     """
-    edges = edges_of(position, edges)
     drive = getattr(kernels, f"drive_{law}")
     H, rate = np.empty_like(position), np.empty_like(position)
     H_t, rate_t = np.empty((2, len(P_t), len(position)))
