@@ -14,11 +14,13 @@ from frictionjoint.identify.terms import Term
 
 
 def full_signals(prepared: Prepared, shape: Shape, Fc: float, sigma2: float) -> list[Array]:
-    """Signals of each log with H, RATE and MOTOR filled in for a law."""
-    (whole,) = prepared.bundles(1)
-    found = list(with_track(whole.tracks.along(shape), whole))
+    """Signals of each log with H, RATE and MOTOR filled in for a law.
+
+    MOTOR is the torque of the rigid body plus friction, N m.
+    """
+    found = list(with_track(prepared.whole.tracks.along(shape), prepared.whole))
     for signals in found:
-        signals[:, MOTOR] = balance(signals, Fc, sigma2)
+        signals[:, MOTOR] = signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V]
     return found
 
 
@@ -59,19 +61,10 @@ def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment
     torque = X @ taken / beta[0]
     filled, begin = X.copy(), 0
     for segment in segments:
-        signals = segment.kept_signals.copy()
+        signals = segment.at_kept(segment.signals)
         end = begin + len(signals)
         signals[:, MOTOR] = torque[begin:end]
         for i in at:
             filled[begin:end, layout.coefficients(i)] = layout.terms[i].columns(segment, signals)
         begin = end
     return np.asarray(filled)
-
-
-def balance(signals: Array, Fc: float, sigma2: float) -> Array:
-    """Torque of the rigid body plus friction, N m, shape (n,).
-
-    Args:
-        signals: of the motion, with the hysteresis torque over Fc in column H.
-    """
-    return np.asarray(signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V])

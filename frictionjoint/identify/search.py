@@ -133,7 +133,6 @@ class Search:
         self.law = law
         self.layout = layout_of(prepared, law, terms)
         self.balance = Balance(prepared, law, terms)
-        self.vmax = prepared.bounding_speed
         self.bounds = self._ranges(law, terms)
         self.scale = np.minimum(1.0, 0.25 * (self.bounds[1] - self.bounds[0]))
         self.low, self.high = coefficient_bounds(prepared, self.layout)
@@ -147,7 +146,7 @@ class Search:
 
     def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
         """Ranges of the numbers of a law, and of those of terms around their present values."""
-        low, high = (list(x) for x in law.bounds(self.vmax, self.balance.span))
+        low, high = (list(x) for x in law.bounds(self.prepared.bounding_speed, self.balance.span))
         for term in terms:
             for (least, most), (x, reach) in zip(
                 self._limits(term), reaches(term, self.balance.span), strict=True
@@ -306,7 +305,7 @@ class Search:
         added = [X[:, at] @ beta[at] for term, at in own if term.effect.entry == "adds torque"]
         if not (scaling or added or any(isinstance(term, DriveTerm) for term in terms)):
             return 1.0
-        (whole,) = self.prepared.bundles(1)
+        whole = self.prepared.whole
         position = whole.kept(whole.row(Q)[None])[:, 0]
         travel = self._size(position - np.average(position, weights=self.weight))
         load = self.prepared.balanced_load

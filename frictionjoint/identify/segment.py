@@ -12,10 +12,9 @@ from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from frictionjoint.arrays import Array, Index
-from frictionjoint.effects.signals import DT, GEAR, LOAD, TIME, Q, V
+from frictionjoint.effects.signals import DT, GEAR, LOAD, Q, V
 from frictionjoint.identify.band import Band, clear_of
 from frictionjoint.identify.bundle import Bundle
 from frictionjoint.identify.cache import Cache
@@ -110,14 +109,6 @@ class Segment:
         """`balanced` of the drive `delay` seconds before each sample."""
         return self.filter.back(self._drive_spectrum, derivative, delay)[self.kept]
 
-    def drive_before(self, delay: float) -> Array:
-        """The drive `delay` seconds before each sample, shape (n,)."""
-        if delay == 0.0:
-            return self.drive
-        time = self.signals[:, TIME]
-        earlier = np.clip(time - delay, time[0], time[-1])
-        return np.asarray(CubicSpline(time, self.drive)(earlier))
-
     @cached_property
     def balanced_load(self) -> Array:
         """Rigid-body torque on the kept samples, N m."""
@@ -142,11 +133,6 @@ class Segment:
     def at_kept(self, x: Array) -> Array:
         """A quantity at the kept samples, not filtered."""
         return np.asarray(x[:: self.step][self.kept])
-
-    @cached_property
-    def kept_signals(self) -> Array:
-        """The signals at the kept samples, not filtered."""
-        return self.at_kept(self.signals)
 
     @property
     def filter(self) -> LowPass:
@@ -279,14 +265,17 @@ class Prepared:
     @property
     def balanced_drive(self) -> Array:
         """Drive on the kept samples of all logs in order."""
-        (whole,) = self.bundles(1)
-        return whole.balanced(whole.driven)
+        return self.whole.balanced(self.whole.driven)
 
     @property
     def balanced_load(self) -> Array:
         """Rigid-body torque on the kept samples of all logs in order, N m."""
-        (whole,) = self.bundles(1)
-        return whole.load_and_velocity[:, 0]
+        return self.whole.load_and_velocity[:, 0]
+
+    @property
+    def whole(self) -> Bundle:
+        """All logs in one part."""
+        return self.bundles(1)[0]
 
     def bundles(self, parts: int) -> tuple[Bundle, ...]:
         """The logs in at most a given number of parts, with about equal numbers of samples."""
@@ -301,9 +290,8 @@ class Prepared:
 
     def tracks(self, law: Shape) -> list[Array]:
         """H and dz/dq of a law along each log, shape (2, n)."""
-        (whole,) = self.bundles(1)
-        found = whole.tracks.along(law)
-        return [found[:, own] for own in whole.places]
+        found = self.whole.tracks.along(law)
+        return [found[:, own] for own in self.whole.places]
 
     def smooth(self, x: Sequence[Array]) -> list[Array]:
         """A signal of each log after the filter of the balance, at all samples."""

@@ -3,11 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from frictionjoint.arrays import Array
+from frictionjoint.effects.signals import MOTOR, TIME
 from frictionjoint.identify.design import Balance
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.law_signals import balance, full_signals
+from frictionjoint.identify.law_signals import full_signals
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import delay_of
 
@@ -16,11 +18,13 @@ def driven(prepared: Prepared, fitted: Fit) -> Prepared:
     """Motions with the drive that a fitted law requires, without the fit's other terms."""
     segments = []
     signals = full_signals(prepared, fitted.shape, *fitted.levels)
+    late = delay_of(fitted.terms)
     for s, x in zip(prepared.segments, signals, strict=True):
-        torque = balance(x, *fitted.levels)
-        on_time = replace(s, drive=torque / fitted.gain)
-        # a position logged late goes with a drive that was earlier
-        segments.append(replace(s, drive=on_time.drive_before(-delay_of(fitted.terms))))
+        drive, time = x[:, MOTOR] / fitted.gain, x[:, TIME]
+        if late:
+            # a position logged late goes with a drive that was earlier
+            drive = CubicSpline(time, drive)(np.clip(time + late, time[0], time[-1]))
+        segments.append(replace(s, drive=drive))
     return replace(prepared, segments=tuple(segments))
 
 

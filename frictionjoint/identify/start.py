@@ -150,7 +150,7 @@ def _squares(x: Array) -> float:
 
 def _heads(prepared: Prepared, shape: Shape) -> tuple[Segment, ...]:
     """The first parts of logs, until the law has become independent of its initial state."""
-    (whole,) = prepared.bundles(1)
+    whole = prepared.whole
     sides = [np.full(len(prepared), x) for x in _TRIALS[[0, -1]]]
     first, last = (whole.tracks.begun(held).along(shape)[0] for held in sides)
     apart = np.abs(last - first) > 1e-3
