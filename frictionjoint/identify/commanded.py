@@ -39,10 +39,6 @@ class Commanded:
         """Whether the controller damps the joint."""
         return bool(self.commands.block[KD])
 
-    def drive(self, changes: Sequence[Change]) -> Array:
-        """Drive of the controller with some changes applied in order, shape (n,)."""
-        return CommandedLogs([self]).output(AllCommands.mean_drive, changes)
-
     def thinned(self, smooth: LowPass) -> "Commanded":
         """The commands on a coarser grid, after one more filter."""
         return replace(self, filters=(*self.filters, smooth))

@@ -119,11 +119,7 @@ def _balance_hz(segments: Sequence[Segment], main: float, motion: float) -> floa
 
 def _drive(log: JointLog) -> tuple[Drive, Array]:
     """Kind and values of the drive that a log contains; `with_drive` ensures that there is one."""
-    for name in get_args(Drive):
-        values = getattr(log, name)
-        if values is not None:
-            return name, values
-    raise LogError(f"{log.name}: no torque, voltage or current, add one of them")
+    return next((name, x) for name in get_args(Drive) if (x := getattr(log, name)) is not None)
 
 
 def _segment(
@@ -156,17 +152,17 @@ def _segment(
         mask &= _away_from_switching(enabled, edge) if kind == "voltage" else driven
         if kind == "voltage":
             measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
-    stopped = uniform(log.time, body.at_limit(log.position).astype(float), t) > 0.0
-    mask &= clear_of(stopped, band.balance, dt)
     held = band.zero_order_hold and controller is None
     more = partial(of_drive, sample=sample) if held else None
     drive = smooth.back(smooth.spectrum(measured), weight=more)
     per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, motion.v)
+    unknown = uniform(log.time, body.at_limit(log.position).astype(float), t) > 0.0
     others: tuple[tuple[float, float], ...] = ()
     if controller is None:
         others = turned_by_another(log, values, t, drive - per_drive * rigid.load, motion.v)
-        by_another = np.any([np.zeros(n, dtype=bool), *((t >= a) & (t <= b) for a, b in others)], 0)
-        mask &= clear_of(by_another, band.balance, dt)
+        for begin, end in others:
+            unknown |= (t >= begin) & (t <= end)
+    mask &= clear_of(unknown, band.balance, dt)
     noise = noise_of(
         measured,
         motion.raw,

@@ -7,10 +7,11 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
+from frictionjoint.control.reconstruct import AllCommands
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.kernel import torques
 from frictionjoint.effects.signals import GEAR, SAG, SWAY
-from frictionjoint.identify.commanded import Change
+from frictionjoint.identify.commanded import Change, CommandedLogs
 from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
 
@@ -182,7 +183,8 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
     changes = drive_changes(terms)
     if not changes or segment.commanded is None:
         return segment
-    return replace(segment, drive=segment.commanded.drive(changes)[: len(segment.drive)])
+    drive = CommandedLogs([segment.commanded]).output(AllCommands.mean_drive, changes)
+    return replace(segment, drive=drive[: len(segment.drive)])
 
 
 def age_of(terms: tuple[Term, ...], kind: type[Timing] = VelocityAge) -> float:
