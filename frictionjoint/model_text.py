@@ -33,8 +33,8 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
         spec: compiles; the names of its asset files are changed.
         source: what it was read from, a file or an MJCF's text.
     Raises:
-        ModelError: an asset file is not found, a joint has too many effects for a file, or MuJoCo's
-            text of it is another model.
+        ModelError: an asset file is not found, a joint has too many effects for a file, or the text
+            that MuJoCo writes is another model.
     """
     name = source_name(source)
     with as_python_warnings(), compiling():

@@ -89,3 +89,5 @@ def test_a_refined_model_is_taken_where_logs_left_out_say_so_beyond_their_scatte
     assert clearly_less(0.8 * before, before)
     assert not clearly_less(before + np.array([-0.5, 0.3, -0.3, 0.45]), before)
     assert not clearly_less(before, before)
+    # a log of rest that both repeat exactly says nothing
+    assert clearly_less(np.append(0.8 * before, 0.0), np.append(before, 0.0))

@@ -28,8 +28,8 @@ def leaves_open(prepared: Prepared, fitted: Fit, i: int) -> bool:
     """
     at, effect = fitted.layout.numbers(i), fitted.terms[i].effect
     positions = np.array(effect.shape_units[effect.shape_fixed :]) == "x"
-    variance = np.diag(stated_covariance(prepared, fitted))[at.start : at.stop][positions]
-    return not bool(np.all((variance >= 0.0) & (variance < (0.5 * prepared.span) ** 2)))
+    errors = _errors(stated_covariance(prepared, fitted), at)
+    return bool(np.any(errors[positions] >= 0.5 * prepared.span))
 
 
 def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
@@ -44,16 +44,19 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     term, layout = fitted.terms[i], fitted.layout
     at = layout.coefficients(i)
     if at.stop > at.start and not term.effect.of_load:
-        x, places = np.asarray(fitted.beta[at]), np.arange(at.start, at.stop)
+        x = np.asarray(fitted.beta[at])
     else:
-        x, numbers = np.array(term.free_shape), layout.numbers(i)
-        places = np.arange(numbers.start, numbers.stop)
+        x, at = np.array(term.free_shape), layout.numbers(i)
         if term.effect.none:
             x = x - np.array(term.effect.none)
     if not len(x):
         return np.inf
-    variance = np.diag(cov)[places]
-    errors = np.sqrt(np.where(np.isfinite(variance), np.maximum(variance, 0.0), np.inf))
     with np.errstate(divide="ignore", invalid="ignore"):
-        sure = np.abs(x) / errors
+        sure = np.abs(x) / _errors(cov, at)
     return float(np.max(np.where(np.isnan(sure), np.inf, sure)))
+
+
+def _errors(cov: Array, at: slice) -> Array:
+    """Standard errors of some parameters, infinite where the logs do not determine them."""
+    variance = np.diag(cov)[at]
+    return np.sqrt(np.where(np.isfinite(variance), np.maximum(variance, 0.0), np.inf))

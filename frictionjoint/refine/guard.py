@@ -34,6 +34,8 @@ Mask = NDArray[np.bool_]
 
 # kinds of one sort; more are no kinds but single logs
 _MOST_KINDS = 6
+# rad (m): a smaller error, or standard error, of a position is none
+_LEAST = 1e-9
 # part of the positions that a band contains
 BAND = 0.95
 
@@ -163,13 +165,13 @@ def missing_width(
     counts = [np.full(len(c.position), c.run.block[COUNT]) for c in objective.courses]
     kind, sample = np.nonzero(np.isfinite(errors))
     off, moves = errors[kind, sample], moves[sample]
-    # rad (m): the least standard error of a position; so far apart all is as the prior has it
-    least, widest = 1e-9, 1e4
-    half = np.maximum(0.5 * np.concatenate(counts)[sample], least)
+    # so far apart all is as the prior has it
+    widest = 1e4
+    half = np.maximum(0.5 * np.concatenate(counts)[sample], _LEAST)
 
     def missed(wider: float) -> float:
         squares = np.sum(moves @ cov(wider) * moves, axis=1)
-        width = np.sqrt(np.maximum(squares, least**2))
+        width = np.sqrt(np.maximum(squares, _LEAST**2))
         low, high = (ndtr((x - off) / width) for x in (-half, half))
         return BAND - EQUAL - float(np.mean(held(low, high)))
 
@@ -224,7 +226,7 @@ def clearly_less(after: Array, before: Array) -> bool:
     Their ratios count: where a model does not hold, as beyond a limit of the drive that the other
     logs do not reach, errors are large and say nothing about the motion in which it does.
     """
-    gained = np.log(before / after)
+    gained = np.log(np.maximum(before, _LEAST) / np.maximum(after, _LEAST))
     return bool(gained.sum() > np.std(gained) * np.sqrt(len(gained)))
 
 

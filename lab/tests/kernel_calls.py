@@ -60,7 +60,8 @@ from frictionjoint.translate.build import all_kernels
 KEPT = 25
 EXAMPLES = 12
 SAMPLES = 60
-# kernels of addresses of MuJoCo's structures: the tests of `simulate` step them beside Python
+# kernels that take addresses of MuJoCo's structures; tests/test_state.py steps them and the same
+# functions in Python
 ADDRESSED = (
     "frictionjoint.simulate.native.",
     "frictionjoint.simulate.motor_demand.commanded_torque",
