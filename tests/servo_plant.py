@@ -67,6 +67,7 @@ def moved(command, kp, hidden, friction, start=(0.0, 0.0), step=PLANT_STEP):
     emf = hidden.get("emf", EMF)
     # a supply with a resistance, over the winding's, that bears duty times the motor's current
     sag = hidden.get("sag", 0.0)
+    waves = hidden.get("waves", {})  # N m, by their number per turn
     position, inner = np.empty(n), command[0]
     for i in range(n):
         position[i] = data.qpos[0]
@@ -86,6 +87,8 @@ def moved(command, kp, hidden, friction, start=(0.0, 0.0), step=PLANT_STEP):
             volts = SUPPLY + sag * duty * emf / KT * data.qvel[0]
             volts /= 1.0 + sag * duty * duty
             data.qfrc_applied[0] = KT * duty * volts - emf * data.qvel[0]
+            for number, size in waves.items():
+                data.qfrc_applied[0] += size * math.sin(number * data.qpos[0])
             mujoco.mj_step(model, data)
     return position[::10]
 

@@ -133,9 +133,8 @@ def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
         coefficients: of the new effect, which is the last one, N m.
     """
     x = vector.carried(now.vector, now.values)
-    name = vector.fitted.effects[-1].name
-    (at,) = (i for i, term in enumerate(vector.layout.terms) if term.name == name)
-    x[vector.layout.coefficients(at)] = coefficients
+    new = vector.fitted.terms.index(vector.fitted.effects[-1])
+    x[vector.layout.coefficients(new)] = coefficients
     return [vector.start, np.clip(x, vector.low, vector.high)]
 
 
