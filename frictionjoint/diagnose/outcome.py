@@ -5,7 +5,7 @@ import numpy as np
 from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.exchange import settle_ties, weigh_others
+from frictionjoint.diagnose.exchange import best_forms, settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, moving_nearest, nearer
 from frictionjoint.diagnose.restated import restated
@@ -97,7 +97,9 @@ def _settled(
     if by_motion and moving_nearest(state, replayed):
         drop_idle(state)
     drop_what_moves_worse(state, replayed)
-    # with another law, or fewer effects, others may explain as much now
+    # with another law, or fewer effects, other forms and effects may explain as much now
+    if best_forms(state):
+        drop_idle(state)
     weigh_others(state)
     settle_ties(state)
     return restated(state, rng)

@@ -297,14 +297,8 @@ class IntegratedShape(Shape):
 
     def _knots(self, both: float) -> Knots:
         """Transition curve that reaches Fs of both directions."""
-        z, F, slope = 0.0, 0.0, _TORQUES[0] / self.length
-        found = []
-        for torque, bend in zip(_TORQUES, (1.0, *self.bend), strict=True):
-            slope *= bend
-            z += (torque - F) / slope
-            F = torque
-            found.append((z, both * F))
-        return tuple(found)
+        ends = self.length * np.cumsum(_parts(self.bend))
+        return tuple(zip(ends.tolist(), [both * F for F in _TORQUES], strict=True))
 
     def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
         """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
