@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.identify.rounding import EQUAL
 
 # scales s of the functions exp(-(v/s)**2) by which the level decreases, as fractions of the top
 # speed. Sums of these functions represent every Stribeck curve with an exponent up to 2.
@@ -61,7 +62,10 @@ def _stribeck(level: Array) -> tuple[float, float, float]:
     """Fit of a Stribeck curve to a level: Fs / Fc - 1, Vs over the top speed, and delta."""
     # from the least Fs / Fc - 1 on, a search can adjust the Stribeck velocity and exponent
     least = 0.02
-    best = (np.inf, least, 0.05, 1.0)
+    # a level that does not fall shows no curve, and rounding must not choose one
+    equal = len(level) * (EQUAL * level.mean()) ** 2
+    flat = float(np.sum((level - level.mean()) ** 2))
+    best = (max(flat, equal), least, 0.05, 1.0)
     for delta in (0.6, 0.8, 1.0, 1.4, 2.0):
         fall = np.exp(-((_SPEEDS / _VELOCITIES[:, None]) ** delta))
         deviation = fall - fall.mean(axis=1, keepdims=True)
@@ -69,6 +73,7 @@ def _stribeck(level: Array) -> tuple[float, float, float]:
         Fc = level.mean() - rise * fall.mean(axis=1)
         left = np.sum((level - Fc[:, None] - rise[:, None] * fall) ** 2, axis=1)
         left[(Fc <= 0.0) | (rise < 0.0)] = np.inf
+        left = np.maximum(left, equal)
         k = int(np.argmin(left))
         if left[k] < best[0]:
             best = left[k], max(float(rise[k] / Fc[k]), least), _VELOCITIES[k], delta
