@@ -175,9 +175,12 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     """Inner products of the columns of a fit and of candidates."""
     w = fitted.weight[:, None]
     layout, free = fitted.layout, fitted.open.copy()
-    for i in range(len(fitted.terms)):
+    for i, term in enumerate(fitted.terms):
         # of a term one on its bound acts too, and may leave it where a fold is missing
         free[layout.coefficients(i)] = True
+        # where a torque leaps, its derivative by a shape number predicts no other value of it
+        if term.effect.leaps:
+            free[layout.numbers(i)] = False
     own = [
         np.array([k for k in layout.of_term(i) if free[k]], dtype=np.int64)
         for i, t in enumerate(fitted.terms)

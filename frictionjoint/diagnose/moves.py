@@ -167,7 +167,7 @@ class Moves:
         sorts = (
             (self._added(self.named), LEADERS),
             (self._added(self.unnamed), ALTERNATIVES),
-            (self._pairs(), 1),
+            (self._pairs(), ALTERNATIVES),
             (self._exchanges(), ALTERNATIVES),
         )
         return [

@@ -41,7 +41,7 @@ from frictionjoint.diagnose.state import (
     numbers_of,
 )
 from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, unbent
-from frictionjoint.identify.base_fit import base_fit
+from frictionjoint.identify.base_fit import base_fit, slowed
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
@@ -365,6 +365,11 @@ def _follow(state: State) -> bool:
     Returns:
         whether another form is used.
     """
+    if state.fit.effects and (
+        slow := slowed(state.prepared, state.fit, forms_like(state.fit.shape))
+    ):
+        # while an effect was missing the law may have fallen too early for another reason
+        state.prepared, state.fit = settled(*slow)
     prepared, found = state.laws.follow(state.prepared, state.fit)
     if found is state.fit:
         return False

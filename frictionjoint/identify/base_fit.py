@@ -33,7 +33,7 @@ def base_fit(
     """
     forms = forms_of(law)
     prepared, found = law_alone(prepared, forms, progress)
-    if _is_slow(prepared, found):
+    if slowed(prepared, found, forms):
         prepared, found = law_alone(replace(prepared, slow=True), forms, progress)
     if forms is not INTEGRATED:
         return prepared, found
@@ -42,17 +42,26 @@ def base_fit(
     return better_form(prepared, found, [other])
 
 
-def _is_slow(prepared: Prepared, found: Fit) -> bool:
-    """Whether a Stribeck velocity beyond its bound leaves less than half of the residual."""
+def slowed(prepared: Prepared, found: Fit, forms: Sequence[Shape]) -> tuple[Prepared, Fit] | None:
+    """The logs and a fit without the usual bound of the Stribeck velocity.
+
+    Returns:
+        None unless the fit is at that bound and half of the squares are left beyond it.
+    """
     shape = found.shape
-    if "log Vs" not in shape.variables:
-        return False
+    if prepared.slow or "log Vs" not in shape.variables:
+        return None
     at = shape.variables.index("log Vs")
     most = shape.bounds(prepared.bounding_speed, prepared.span)[1][at]
     if shape.vector()[at] < most - 0.01:
-        return False
-    wide = refit(replace(prepared, slow=True), found.effects, shape)
-    return wide.drive_rms < APART * found.drive_rms
+        return None
+    slow = replace(prepared, slow=True)
+    place = ripened(slow, found.effects, forms)[0]
+    law, _ = place.search.split(place.x)
+    # under the weights of a law that falls too early, much of what it leaves counts little
+    slow, wide = reweighed(*reweighed(slow, refit(slow, found.effects, law)))
+    bound = refit(replace(slow, slow=False), found.effects, shape)
+    return (slow, wide) if wide.drive_rms**2 < APART * bound.drive_rms**2 else None
 
 
 def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[Prepared, Fit]:
