@@ -56,7 +56,8 @@ def best_forms(state: State) -> bool:
             now = scored(state.fit, blocks)
             other = scored(_in_place_of(state, blocks, i, others)[1], blocks)
             if simpler:
-                taken = not now.better(other) or leaves_open(state.prepared, state.fit, i)
+                open_end = as_much(other, now) and leaves_open(state.prepared, state.fit, i)
+                taken = open_end or not now.better(other)
             else:
                 taken = other.better(now)
             if taken:

@@ -29,8 +29,8 @@ def named_instead(state: State, move: Move, rng: np.random.Generator) -> list[Mo
             them.
     """
     found: list[Move] = []
-    others = tuple(c for c in move.added if not c.unnamed)
     for term in filter(is_unnamed, state.fit.effects):
+        others = tuple(c for c in move.added if not c.unnamed or c.term.name != term.name)
         bare, seen = look_without(state, term, rng)
         named = [r for r in seen.rows if not r.candidate.unnamed and r.p_value <= SIGNIFICANCE]
         instead = [

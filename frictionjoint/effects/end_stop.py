@@ -54,13 +54,19 @@ UPPER = Effect(
     source="unilateral linear spring",
     signature="acts near one end of the range only",
     separating_motion="approach the end slowly and dwell before it",
-    shape=("position",),
+    shape=("upper",),
     shape_units=("x",),
     shapes=partial(_positions, np.max),
     bounds=((0.0, float("inf")),),
 )
 
-LOWER = replace(UPPER, effect_id=24, form="-k (qmin - q)+", shapes=partial(_positions, np.min))
+LOWER = replace(
+    UPPER,
+    effect_id=24,
+    form="-k (qmin - q)+",
+    shape=("lower",),
+    shapes=partial(_positions, np.min),
+)
 
 BOTH = replace(
     UPPER,

@@ -9,9 +9,6 @@ from frictionjoint.compiled import compiled, pointer, room
 from frictionjoint.effects.effect import Effect, Shape
 from frictionjoint.effects.signals import DT, N_SIGNALS, SAG, SWAY, TIME, A
 
-# Hz: what oscillates more slowly is a body of its own
-_SLOWEST = 0.5
-
 
 @compiled
 def _half_angle(w: float, h: float) -> float:
@@ -89,7 +86,7 @@ def free_swing(shape: Shape, start: tuple[float, float], signals: Array) -> Arra
 
 def _resonances(signals: Array) -> list[Shape]:
     nyquist = 0.5 / float(np.median(np.diff(signals[:, TIME])))
-    frequencies = _SLOWEST * 1.35 ** np.arange(15)
+    frequencies = 2.0 * 1.35 ** np.arange(10)
     return [(float(f), zeta) for f in frequencies if f < 0.5 * nyquist for zeta in (0.03, 0.15)]
 
 
@@ -111,7 +108,7 @@ EFFECT = Effect(
     # the link is part of the joint's inertia
     bounds=((0.0, 1.0),),
     # gears and shafts are lightly damped; stronger damping means another effect, such as backlash
-    shape_bounds=((_SLOWEST, float("inf")), (0.005, 0.2)),
+    shape_bounds=((0.5, float("inf")), (0.005, 0.2)),
     of_inertia=True,
     acts="mechanism",
     free=free_swing,
