@@ -69,6 +69,13 @@ def test_a_bristle_is_found_with_its_own_numbers():
     assert found.rms_in_motion < 1.2 * 3e-3
 
 
+def test_logs_that_hardly_exceed_the_stribeck_velocity_show_it():
+    own = {"stiffness": 800.0, "damping": 0.3, "viscous": 0.5, "noise": 3e-3}
+    _, law = fitted(*(log(0.9, 0.5, (0.5, 0.5), seed=i, **own) for i in (1, 2)))
+    assert law.Vs_pos == pytest.approx(0.5, rel=0.1)
+    assert law.sigma2_pos == pytest.approx(0.5, rel=0.1)
+
+
 def test_a_contact_that_is_damped_much_hides_no_friction():
     """Breakaway is ten times what the joint slides with, and hardly shows for the damping."""
     own = {"stiffness": 500.0, "damping": 8.0, "viscous": 0.02, "noise": 1e-4}

@@ -5,8 +5,14 @@ import numpy as np
 import pytest
 
 from frictionjoint import close_loop
+from frictionjoint.diagnose.library import other_forms
+from frictionjoint.effects import end_stop
 from frictionjoint.identify.matching import check_logs
+from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import ROUGH, refit
+from frictionjoint.identify.shape import INTEGRATED
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog
 
 LOSS, LIMIT = 0.3, 0.55
@@ -60,6 +66,14 @@ def test_limits_at_both_ends_that_the_model_lacks_are_one_end_stop():
     assert stop.parameters["upper"].value == pytest.approx(LIMIT, abs=0.02)
     assert stop.parameters["lower"].value == pytest.approx(-LIMIT, abs=0.02)
     assert not [note for note in report.notes if "saturates" in note]
+
+
+def test_a_stop_at_one_end_is_tried_where_the_stop_at_both_ends_has_it():
+    prepared = prepare([pressed(1)], RigidBody(MODEL.format(""), "j"))
+    both = refit(prepared, (EffectTerm(end_stop.BOTH, (0.5, -0.4)),), INTEGRATED[0], ROUGH)
+    (stop,) = both.effects
+    forms = {c.term.effect: c.term.shape for c in other_forms(prepared, both, stop)}
+    assert forms == {end_stop.UPPER: stop.shape[:1], end_stop.LOWER: stop.shape[1:]}
 
 
 @pytest.mark.parametrize(

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from test_wrong_mass import BELIEVED, PAYLOAD, driven, joint
 
 from frictionjoint import close_loop
+from frictionjoint.identify.law_start import LawStart
 from frictionjoint.measured.log import JointLog
 
 
@@ -31,3 +33,11 @@ def test_a_loop_tells_the_same_of_logs_that_differ_in_the_last_bits(payload):
         for log in payload
     )
     assert told([second, first, kept]) == (named, pytest.approx(error, rel=0.01))
+
+
+def test_rounding_chooses_no_stribeck_curve_where_the_level_shows_none():
+    rng, reaches = np.random.default_rng(3), np.geomspace(1e-4, 1e-1, 8)
+    levels = np.outer([0.3, 0.0, 0.0, 0.0, 0.0, 0.0], np.ones(8))
+    disturbed = (levels * (1.0 + 1e-15 * rng.standard_normal(levels.shape)) for _ in range(20))
+    starts = [LawStart.of(reaches, x, 2.0) for x in disturbed]
+    assert len({(s.excess, s.Vs, s.delta) for s in starts}) == 1
