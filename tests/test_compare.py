@@ -5,13 +5,16 @@ import json
 import numpy as np
 import pytest
 from command_line import run
+from reports import good, put, robot
 
 from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.errors import ParameterError
 from frictionjoint.export.motion import stated_motion
 from frictionjoint.files import toml_text
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.compare import compared, draw
+from frictionjoint.report.joints import read_joints
 from frictionjoint.rivals import StaticParameters
 
 KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
@@ -55,6 +58,43 @@ def test_reports_in_folders_of_one_name_have_a_column_each(tmp_path, demo_report
         (tmp_path / day / "out" / "report.json").write_text(content)
     done = run("compare", "monday/out", "friday/out/report.json", "--json", cwd=tmp_path)
     assert list(json.loads(done.stdout)) == ["monday/out", "friday/out/report.json"]
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "says"),
+    [
+        ("schema", "frictionjoint/report-9", "this version reads, its schema is 'frictionj"),
+        ("joint", 3, "report.joint is 3: it must be text; make the report again"),
+        ("base", None, "report.base is None: it must be a table"),
+        ("after.torque_rms", {"fit": 1.0}, "report.after.torque_rms.held_out is missing"),
+        ("added", [{}], "report.added.0.effect is missing"),
+        ("notes", None, "report.notes is None: it must be a list"),
+        ("verdict", "perfect", "report.verdict is 'perfect': it must be one of 'explained'"),
+        ("at_rest", "often", "report.at_rest is 'often': it must be a finite number"),
+        ("base.parameters.n.value", np.nan, "base.parameters.n.value is nan"),
+        ("after.parameters.Fc_neg.value", -1.0, "Fc_neg is -1: it must be 0 or more"),
+        ("model.Fc_pos", np.nan, "Fc_pos is nan: give a finite number"),
+        ("model", {}, "missing parameter Fs_pos"),
+        (
+            "posterior",
+            {"parameters": good()["model"], "factor": [[1e300]]},
+            "must be 16 rows of numbers",
+        ),
+    ],
+)
+def test_a_damaged_report_is_refused_with_its_file_and_place(tmp_path, place, value, says):
+    assert all(read_joints(write(tmp_path, x))[1] for x in (good(), robot(elbow=good())))
+    content = good()
+    put(content, place, value)
+    with pytest.raises(ParameterError) as caught:
+        read_joints(write(tmp_path, content))
+    assert str(caught.value).startswith(f"{tmp_path / 'report.json'}: ")
+    assert says in str(caught.value)
+
+
+def write(folder, content):
+    (folder / "report.json").write_text(json.dumps(content))
+    return folder
 
 
 def test_effects_are_named():

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from command_line import run
+from reports import good, robot
 from typer.testing import CliRunner
 
 import frictionjoint
@@ -81,11 +82,11 @@ def test_every_set_drawn_is_valid_and_can_be_installed(posterior):
 
 def test_the_command_writes_tables_that_make_friction(tmp_path, posterior):
     report, out = tmp_path / "report.json", tmp_path / "samples.json"
-    report.write_text(json.dumps({"after": {}, "posterior": posterior.to_dict()}))
+    report.write_text(json.dumps(good(posterior=posterior.to_dict())))
     assert run("sample", str(tmp_path), "--n", "7", "--out", str(out), cwd=tmp_path).returncode == 0
     tables = json.loads(out.read_text())
     assert [joint_friction(t) for t in tables] == list(posterior.sample(7))
-    report.write_text(json.dumps({"after": {}}))
+    report.write_text(json.dumps(good()))
     failed = run(
         "sample", str(report), "--n", "7", "--out", str(tmp_path / "none.json"), cwd=tmp_path
     )
@@ -98,7 +99,7 @@ def test_a_robot_report_asks_for_the_joint_and_one_of_several_robots_for_the_rob
     tmp_path, posterior
 ):
     out = tmp_path / "samples.json"
-    own = {"posterior": posterior.to_dict()}
+    whole = robot(hip=good(posterior=posterior.to_dict()), knee=good())
 
     def drawn_of(report, *joint):
         (tmp_path / "report.json").write_text(json.dumps(report))
@@ -106,15 +107,14 @@ def test_a_robot_report_asks_for_the_joint_and_one_of_several_robots_for_the_rob
             app, ["sample", str(tmp_path), "--n", "3", "--out", str(out), *joint]
         )
 
-    robot = {"joints": {"hip": own, "knee": {}}}
     for joint, words in (
         ((), "choose one with --joint: hip, knee"),
         (("--joint", "toe"), "no joint 'toe' in it, it has hip, knee"),
         (("--joint", "knee"), "no parameter uncertainty"),
     ):
-        assert words in str(drawn_of(robot, *joint).exception)
-    assert "folder of one of them" in str(drawn_of({"spread": []}).exception)
+        assert words in str(drawn_of(whole, *joint).exception)
+    assert "folder of one of them" in str(drawn_of({"schema": "frictionjoint/units-1"}).exception)
     assert not out.exists()
-    assert drawn_of(robot, "--joint", "hip").exit_code == 0
+    assert drawn_of(whole, "--joint", "hip").exit_code == 0
     tables = json.loads(out.read_text())
     assert [joint_friction(t) for t in tables] == list(posterior.sample(3))

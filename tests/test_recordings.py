@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 from command_line import run
+from reports import good
 
 from frictionjoint import close_loop
 from frictionjoint.control.controller import Controller
@@ -105,9 +106,7 @@ def report(folder: Path) -> Path:
     (folder / "model.xml").write_text(str(k.model))
     factor = np.sqrt(np.diag(k.cov))
     posterior = {"parameters": dict(k.content), "factor": np.diag(factor).tolist()}
-    (folder / "report.json").write_text(
-        json.dumps({"joint": "elbow", "after": {}, "posterior": posterior})
-    )
+    (folder / "report.json").write_text(json.dumps(good(posterior=posterior)))
     return folder
 
 

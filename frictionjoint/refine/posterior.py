@@ -123,19 +123,19 @@ class Posterior:
         """Inverse of `to_dict`.
 
         Raises:
-            ParameterError: not such a table.
+            ParameterError: parameters that are no friction, or a factor that is not of them.
         """
-        try:
-            parameters = dict(content["parameters"])
-            factor = np.array(content["factor"], dtype=float)
-            of_gain = int(content.get("of_gain", 0))
-            joint_friction(parameters)
-            numbers = len(numbers_in(parameters))
-        except (KeyError, TypeError, ValueError) as error:
-            raise ParameterError(f"its posterior cannot be read: {error}") from None
-        if factor.ndim != 2 or len(factor) != numbers:
-            raise ParameterError("its posterior cannot be read: factor is of another shape")
-        return cls(parameters, factor, of_gain)
+        parameters, rows = dict(content["parameters"]), content["factor"]
+        joint_friction(parameters)
+        size = len(numbers_in(parameters))
+        # no joint has larger numbers, and their squares are finite
+        sane = all(abs(x) < 1e100 for row in rows for x in row)
+        if len(rows) != size or len({len(row) for row in rows}) != 1 or not sane:
+            raise ParameterError(
+                f"posterior: its factor must be {size} rows of numbers below 1e100"
+            )
+        factor = np.array(rows, dtype=float)
+        return cls(parameters, factor, content.get("of_gain", 0))
 
 
 def _content(friction: JointFriction) -> dict[str, Any]:

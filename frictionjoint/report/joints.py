@@ -5,10 +5,48 @@ from pathlib import Path
 from typing import Any
 
 from frictionjoint.errors import ParameterError
-from frictionjoint.structured_files import read_json
+from frictionjoint.files import joint_friction
+from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.rms import Rms
+from frictionjoint.parameter_meanings import UNITS
+from frictionjoint.refine.posterior import Posterior
+from frictionjoint.report.entries import Added, LogEntry, Looked
+from frictionjoint.report.joint_report import SCHEMA, Verdict
+from frictionjoint.report.robot_report import SCHEMA as ROBOT
+from frictionjoint.report.units_report import SCHEMA as SEVERAL
+from frictionjoint.structured_files import misfits, read_json
 
 # what belongs to a robot, not to one of its joints
 _ROBOT = ("schema", "logs", "made")
+_LAW = {"law": str, "parameters": dict[str, Estimate]}
+_ERRORS = {"torque_rms": Rms, "replay_rms?": Rms, "closed_loop_mae?": Rms}
+# what is read of a joint, see `misfits`
+_JOINT = {
+    "joint": str,
+    "verdict": Verdict,
+    "logs": list[LogEntry],
+    "log_errors?": [{"name": str, "role": str, "before": float | None, "after": float | None}],
+    "units?": {"torque": str, "position": str},
+    "slide?": bool,
+    "drive?": {"source?": str, "rms?": dict[str, Rms]},
+    "intervals?": dict[str, dict[str, list[float]] | None],
+    "at_rest?": float | None,
+    "base": _LAW,
+    "before": _ERRORS,
+    "added": list[Added],
+    "after": _LAW | _ERRORS,
+    "refined?": {"taken": bool, "parameters": dict[str, Estimate]},
+    "model?": dict[str, Any],
+    "posterior?": {"parameters": dict[str, Any], "factor": list[list[float]], "of_gain?": int},
+    "thresholds?": {"gain": float, "p_value": float},
+    "candidates?": list[Looked],
+    "smallest?": [{"name": str, "least": float | None, "most": float | None}],
+    "law_errors?": dict[str, float],
+    "noise_floor?": float | None,
+    "unexplained": [{"variable": str, "share": float}],
+    "proposals?": list[str],
+    "notes?": list[str],
+}
 
 
 def joint_content(content: Mapping[str, Any], name: str) -> dict[str, Any]:
@@ -23,16 +61,47 @@ def read_joints(path: Path) -> tuple[Path, dict[str, dict[str, Any]]]:
     """The report.json of a folder, or a file itself, and the content of each joint by name.
 
     Raises:
-        ParameterError: the file is missing, or no report of a joint or a robot.
+        ParameterError: the file is missing, no report of a joint or a robot, or damaged.
     """
     file = path / "report.json" if path.is_dir() else path
     content = read_json(file, "give report.json of close-loop")
-    if isinstance(content, dict) and "spread" in content:
+    schema = content.get("schema") if isinstance(content, dict) else None
+    if schema == SEVERAL:
         raise ParameterError(f"{file}: a report of several robots: give the folder of one of them")
-    if not isinstance(content, dict) or not content.keys() & {"joint", "joints", "after"}:
-        raise ParameterError(f"{file}: not a report of a joint: give report.json of close-loop")
-    names = content.get("joints", {content.get("joint", ""): content})
-    return file, {name: joint_content(content, name) for name in names}
+    if schema not in (SCHEMA, ROBOT):
+        raise ParameterError(
+            f"{file}: not a report of a joint that this version reads, its schema is {schema!r}: "
+            "give report.json of close-loop"
+        )
+    joints: dict[str, dict[str, Any]] = {}
+    try:
+        if schema == ROBOT:
+            _require(content, {"joints": dict[str, dict[str, Any]]}, "report")
+        for name in content["joints"] if schema == ROBOT else (content.get("joint"),):
+            own = joint_content(content, name)
+            _require(own, _JOINT, f"joints.{name}" if schema == ROBOT else "report")
+            _require_possible(own)
+            joints[name] = own
+    except ParameterError as error:
+        raise ParameterError(f"{file}: {error}; make the report again with close-loop") from None
+    return file, joints
+
+
+def _require(content: Any, form: Any, place: str) -> None:
+    if text := next(misfits(content, form, place), ""):
+        raise ParameterError(text)
+
+
+def _require_possible(content: Mapping[str, Any]) -> None:
+    """Check the numbers of the laws, the model and the posterior of a joint."""
+    for stage in ("base", "after"):
+        for name, x in content[stage]["parameters"].items():
+            if x["value"] < 0.0 and name.partition("_")[0] in UNITS:
+                raise ParameterError(f"{stage}: {name} is {x['value']:g}: it must be 0 or more")
+    if "model" in content:
+        joint_friction(content["model"])
+    if "posterior" in content:
+        Posterior.from_dict(content["posterior"])
 
 
 def read_joint(path: Path, joint: str | None) -> tuple[Path, str, dict[str, Any]]:
@@ -43,7 +112,7 @@ def read_joint(path: Path, joint: str | None) -> tuple[Path, str, dict[str, Any]
     """
     file, joints = read_joints(path)
     names = ", ".join(joints)
-    if joint is None and len(joints) > 1:
+    if joint is None and len(joints) != 1:
         raise ParameterError(f"{file}: a report of a whole robot: choose one with --joint: {names}")
     if joint is not None and joint not in joints:
         raise ParameterError(f"{file}: no joint {joint!r} in it, it has {names}")
