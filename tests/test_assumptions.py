@@ -92,8 +92,15 @@ def test_without_a_coulomb_level_no_stiffness_is_assumed_and_the_joint_does_not_
     found = with_assumed_stiffness(prepared, found)
     assert not found.has_level
     assert not found.shape.stiffness_assumed
-    (said,) = assumed_note(found, False)
+    (said,) = assumed_note(prepared, found)
     assert "no Coulomb friction" in said
+
+
+def test_coulomb_friction_that_a_sweep_in_one_direction_does_not_show_is_not_called_none():
+    q = 0.1 * T + 0.02 * T**2
+    sweep = logged(q, 0.002 + 0.5 * LEVEL * np.arange(N) / N, 0.4, 0)
+    (said,) = fj.identify([sweep], JOINT, "j").notes
+    assert "do not determine Coulomb friction, because the joint moves in one direction" in said
 
 
 def test_friction_that_would_vanish_with_the_load_gets_a_level():
@@ -103,10 +110,10 @@ def test_friction_that_would_vanish_with_the_load_gets_a_level():
     prepared, base = base_fit(prepare([own], RigidBody(PENDULUM, "j")), "integrated")
     bare = refit(prepared, (EffectTerm(LOAD_DEPENDENT, (1e-4,)),), base.shape)
     assert not bare.has_level
-    _, found = with_assumed_level(prepared, bare)
+    prepared, found = with_assumed_level(prepared, bare)
     assert found.level_assumed
     assert found.drive_rms <= bare.drive_rms / (1.0 - CLEARLY)
-    assert [n for n in assumed_note(found, False) if "unloaded joint is assumed" in n]
+    assert [n for n in assumed_note(prepared, found) if "unloaded joint is assumed" in n]
 
 
 def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes():
@@ -131,7 +138,7 @@ def test_a_joint_with_a_soft_stiffness_comes_to_rest_under_load_by_an_assumed_da
     assert found.drive_rms <= undamped.drive_rms / 0.99
     damping = law_estimates(found, stated_covariance(prepared, found), False)["sigma1"]
     assert damping.stderr is None
-    (said,) = assumed_note(found, False)
+    (said,) = assumed_note(prepared, found)
     assert "damping is assumed" in said
     assert moves_at_rest(undamped) > 1e-7
     assert moves_at_rest(found) < 1e-9
@@ -148,7 +155,7 @@ def test_a_breakaway_friction_that_the_logs_do_not_show_is_assumed():
     assert law.Fc_pos <= law.Fs_pos <= 1.3 * LEVEL
     assert lower.drive_rms <= high.drive_rms / (1.0 - CLEARLY)
     times = {0.0: "equals Coulomb", 0.25: "is 1.25 times Coulomb"}[lower.shape.excess]
-    assert [n for n in assumed_note(lower, False) if f"It {times} friction" in n]
+    assert [n for n in assumed_note(prepared, lower) if f"It {times} friction" in n]
 
 
 @pytest.mark.parametrize("law", ["integrated", "lugre", "static"])

@@ -55,7 +55,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *_event_note(found),
         *_limit_note(found),
         *found.hints,
-        *assumed_note(found.final, found.prepared.slide),
+        *assumed_note(found.prepared, found.final),
         *_constraint_note(found),
         *_rest_note(found),
         *_laws_note(found),

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from frictionjoint.effects.signals import GX, GY, LOAD, A
+from frictionjoint.effects.signals import GX, GY, LOAD, A, V
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import law_parameters
+from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.result import LOOSE, law_estimates, law_parameters
 from frictionjoint.identify.segment import Prepared
 
 
@@ -40,12 +41,20 @@ def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
     )
 
 
-def assumed_note(fitted: Fit, slide: bool) -> tuple[str, ...]:
+def assumed_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
     """Notes on what is assumed, or that the law has no Coulomb friction."""
     if not fitted.has_level:
+        cov = stated_covariance(prepared, fitted)
+        error = law_estimates(fitted, cov, prepared.slide)["Fc_pos"].stderr
+        said = "show no Coulomb friction: its fitted value is zero"
+        # twice this error would be as large as the residual, and still not be seen
+        if error is None or error > LOOSE * fitted.rms_in_motion:
+            forward = float(np.mean(prepared.at_kept(V)[fitted.in_motion] > 0.0))
+            one_way = ", because the joint moves in one direction only"
+            why = one_way if not 0.01 < forward < 0.99 else ""
+            said = f"do not determine Coulomb friction{why}; its fitted value, zero, says nothing"
         return (
-            "These logs show no Coulomb friction: its fitted value is zero. So the model does "
-            "not hold the joint at rest. Record "
+            f"These logs {said}. So the model does not hold the joint at rest. Record "
             "slow constant velocities in both directions, where viscous friction is small.",
         )
     shape = fitted.shape

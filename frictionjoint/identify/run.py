@@ -130,6 +130,6 @@ def identify_law(
             *scale_note(fitted, body.slide),
             *inertia_note(prepared, fitted),
             *other_drive_note(prepared),
-            *assumed_note(fitted, body.slide),
+            *assumed_note(prepared, fitted),
         ),
     )
