@@ -45,6 +45,11 @@ def test_files_keep_every_digit(tmp_path, preset):
         ('output = "torque_nm"\nkp = 1\ngain = 2', "unknown 'gain', it has"),
         ('output = "torque_nm"\nkp = true', "kp is True: give a number"),
         ('output = "torque_nm"\nkp = nan', "kp is nan: give a number"),
+        ('output = "torque_nm"\nkp = 1e300', "kp is 1e+300: give at most 1e+09"),
+        (
+            'output = "torque_nm"\nkp = 1\nrate_hz = 1e9',
+            "rate_hz is 1000000000.0: give at most 1e+06",
+        ),
         ('output = "torque_nm"\nkp = 1\nsupply_v = 3', "supply_v does not go with"),
         ('output = "torque_nm"\nkp = "unknown"\nkd = 2', "kd is 2 together with an unknown kp"),
         ("output = ", "not TOML"),
@@ -169,6 +174,9 @@ def test_a_wrong_controller_is_noticed():
     c = Controller(output="torque_nm", kp=2.0)
     right = with_drive(log(), c)
     assert "agrees" in check_drive(right, c)[0]
+    assert (
+        "torque is measured: the drive is not computed" in check_drive(right, PRESETS["xl330"])[0]
+    )
     with pytest.raises(LogError, match="off the measured one"):
         check_drive(right, Controller(output="torque_nm", kp=3.0))
 

@@ -41,7 +41,7 @@ def turned_round(prepared: Prepared, names: str, gravity: float, inertia: float)
 
 def _wrong_sign(prepared: Prepared, name: str, why: str) -> str:
     c = _columns(prepared)
-    wrong = "wrong sign or gain" if prepared.commanded else "wrong sign"
+    wrong = "wrong sign, gain or feed_forward" if prepared.commanded else "wrong sign"
     exchanged = f", that the two are not exchanged{c.rest}" if prepared.commanded else ""
     return (
         f"{name}: {wrong} of position or {c.what}: {why}: check the signs of {c.position} and "
@@ -82,7 +82,7 @@ def _columns(prepared: Prepared) -> _Columns:
     if prepared.commanded:
         target = "target_m" if prepared.slide else "target_rad"
         per = "m" if prepared.slide else "rad"
-        gains = f", the controller's gains (per {per})"
+        gains = f", the controller's gains (per {per}) and feed_forward"
         return _Columns(side[0], target, side[1], side[1], "target", gains)
     if prepared.slide:
         drive = "force_n", "N"
