@@ -1,5 +1,6 @@
-"""No command overwrites what it reads: one line before any work, unless --force is given."""
+"""No command overwrites what it reads: one line before any work, also with --force."""
 
+import json
 import shutil
 from importlib.resources import files
 from pathlib import Path
@@ -10,6 +11,7 @@ from frictionjoint.export.targets import FILES
 from frictionjoint.motors.bam import BamParameters
 from frictionjoint.simulate.stick_slip import kuka_model
 from tests.command_line import Done, run
+from tests.reports import good
 
 DEMO, MODELS = Path(str(files("frictionjoint.demo"))), kuka_model().parent
 
@@ -19,6 +21,8 @@ def home(tmp_path: Path) -> Path:
     """A log, a model and an including one, parameters, and a model that carries them."""
     shutil.copy(DEMO / "ramps.csv", tmp_path / "log.csv")
     (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "controller.toml").write_text('output = "torque_nm"\nkp = 3.0\n')
+    (tmp_path / "out" / "report.json").write_text(json.dumps(good()))
     shutil.copy(DEMO / "joint.xml", tmp_path / "out" / "model.xml")
     (tmp_path / "main.xml").write_text('<mujoco><include file="out/model.xml"/></mujoco>')
     shutil.copy(MODELS / "kuka_ir361_joint1.friction.toml", tmp_path / "f.toml")
@@ -38,7 +42,10 @@ ADD = ("install", "main.xml", "--joint", "joint=f.toml", "--out")
 CASES = {
     "close-loop, its model": (*LOOP, "out/model.xml"),
     "close-loop, what its model includes": (*LOOP, "main.xml"),
+    "close-loop, its controller": (*LOOP, "main.xml", "--controller", "out/controller.toml"),
     "identify, its log": (*FIT, "log.csv"),
+    "identify, one of its files": (*FIT, "f.toml", "--join", "f.toml"),
+    "sample, its report": ("sample", "out", "--n", "3", "--out", "out/report.json"),
     "identify, its model": (*FIT, "out/model.xml"),
     "install, its model": (*ADD, "main.xml"),
     "install, what its model includes": (*ADD, "out/model.xml"),
@@ -54,25 +61,16 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.parametrize("force", [(), ("--force",)])
 @pytest.mark.parametrize("case", CASES)
-def test_a_source_is_not_overwritten(case: str, home: Path) -> None:
+def test_a_source_is_not_overwritten(case: str, force: tuple[str, ...], home: Path) -> None:
     before = {path: path.read_bytes() for path in home.rglob("*") if path.is_file()}
-    done: Done = run(*CASES[case], cwd=home)
+    done: Done = run(*CASES[case], *force, cwd=home)
     assert done.returncode == 2, done.stdout
     assert done.stdout == ""
     assert len(done.stderr.splitlines()) == 1, done.stderr
     assert "is an input of this command" in done.stderr
-    assert "--force" in done.stderr
     assert before == {path: path.read_bytes() for path in home.rglob("*") if path.is_file()}
-
-
-def test_force_overwrites_it(home: Path) -> None:
-    for case in ("uninstall", "compare", "from-bam"):
-        written = home / CASES[case][-1]
-        before = written.read_bytes()
-        done = run(*CASES[case], "--force", cwd=home)
-        assert done.returncode == 0, done.stderr
-        assert written.read_bytes() != before
 
 
 def test_an_older_result_is_replaced_with_force_only(home: Path) -> None:

@@ -135,12 +135,13 @@ def close_loop_command(
 
     with progress() as say:
         inputs = [
-            *paths.logs,
-            *paths.kept,
+            *paths.files,
+            *options.files,
             *(x for own in units.values() for x in own),
             *paths_of(model),
         ]
-        require_writable(out, inputs, force, FILES[:2] if units else FILES)
+        written = FILES[:2] if units else (*FILES, *(["controller.toml"] if options.files else []))
+        require_writable(out, inputs, force, written)
         how = Options(seed, say, law, options.poses, options.controller, refine, None, scheduler)
         if units:
             of_kind = close_loop_units({n: logs_of(x) for n, x in units.items()}, mjcf, how)

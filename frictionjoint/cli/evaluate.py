@@ -51,7 +51,7 @@ def evaluate(
     with progress() as say:
         paths = log_paths(logs, [], options.join)
         if out is not None:
-            require_writable(out, [*paths.logs, model], force, FILES)
+            require_writable(out, [*paths.files, *options.files, model], force, FILES)
         read = options.reader(paths)
         say("evaluating")
         found = run(model, paths.logs, joint, options.controller, options.poses, read)

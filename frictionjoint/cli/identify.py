@@ -54,7 +54,7 @@ def identify(
 
     with progress() as say:
         paths = log_paths(logs, [], options.join)
-        require_writable(out, [*paths.logs, *paths_of(model)], force)
+        require_writable(out, [*paths.files, *options.files, *paths_of(model)], force)
         joint = the_joint(joint, model)
         read_one = options.reader(paths)
         read = [read_one(path, joint) for path in paths.logs]

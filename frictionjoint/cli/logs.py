@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from frictionjoint.errors import FrictionJointError, LogError, ModelError
+from frictionjoint.errors import NO_JOINT, FrictionJointError, LogError, ModelError
 from frictionjoint.law.names import LAWS
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -133,7 +133,7 @@ def models_of(model: list[str]) -> str | dict[str, str]:
     if len(model) == 1 and "=" not in model[0]:
         return model[0]
     fix = "with several models write PATTERN=MJCF, e.g. 'heavy*=b.xml'"
-    return dict(named("--model", text, fix) for text in model)
+    return by_name("--model", model, fix)
 
 
 def paths_of(model: list[str]) -> list[Path]:
@@ -157,12 +157,15 @@ def the_joint(asked: str | None, model: list[str]) -> str:
     Raises:
         ModelError: no joint is requested, and the model does not have exactly one with a name.
     """
-    if asked:
+    if asked is not None:
         return asked
-    names = joints_of(model)
-    if len(names) != 1 or not names[0]:
-        has = ", ".join(name or "one without a name" for name in names) or "none"
-        raise ModelError(f"{paths_of(model)[0]}: which joint? It has {has}: name one with --joint")
+    names, file = joints_of(model), paths_of(model)[0]
+    if not any(names):
+        none = "its joint has no name: name it in the model" if names else NO_JOINT
+        raise ModelError(f"{file}: {none}")
+    if len(names) > 1:
+        has = ", ".join(name or "one without a name" for name in names)
+        raise ModelError(f"{file}: which joint? It has {has}: name one with --joint")
     return names[0]
 
 
@@ -179,6 +182,11 @@ class LogOptions:
     drop_nan: DropNan = False
     fixed: Fixed = None
     controller: ControllerFile = None
+
+    @property
+    def files(self) -> list[Path]:
+        """The file that an option names."""
+        return [Path(self.controller)] if self.controller else []
 
     @property
     def poses(self) -> dict[str, float | list[float]]:
@@ -277,6 +285,11 @@ class LogPaths:
     fraction: float | None
     joined: dict[Path, list[Path]]
 
+    @property
+    def files(self) -> list[Path]:
+        """All files of logs."""
+        return [*self.logs, *self.kept, *(x for own in self.joined.values() for x in own)]
+
 
 def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogPaths:
     """The logs in folders and data sets; held-out logs are not among those to fit.
@@ -323,7 +336,21 @@ def columns_of(column: list[str] | None) -> dict[str, str]:
     Raises:
         FrictionJointError: a text does not have that form.
     """
-    return dict(named("--column", x, "write ours=theirs, e.g. time_s=t") for x in column or [])
+    return by_name("--column", column or [], "write ours=theirs, e.g. time_s=t")
+
+
+def by_name(option: str, texts: list[str], fix: str) -> dict[str, str]:
+    """Values by name, from the texts NAME=VALUE of an option.
+
+    Raises:
+        FrictionJointError: see `named`, or a name is given twice.
+    """
+    found: dict[str, str] = {}
+    for name, value in (named(option, text, fix) for text in texts):
+        if name in found:
+            raise FrictionJointError(f"{option} {name} is given twice: keep one")
+        found[name] = value
+    return found
 
 
 def named(option: str, text: str, fix: str) -> tuple[str, str]:

@@ -11,7 +11,7 @@ import typer
 
 from frictionjoint.errors import FrictionJointError
 
-Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist, but no input.")]
 Open = Annotated[bool, typer.Option("--open", help="Open the page in the browser.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
@@ -26,19 +26,20 @@ def require_writable(
         made_from: files that the command reads, including files that a model includes.
         force: whether existing files may be overwritten.
     Raises:
-        FrictionJointError: it cannot be written, or would overwrite a file without `force`.
+        FrictionJointError: it cannot be written, or would overwrite a file without `force`, or a
+            file of `made_from`.
     """
     folder = files is not None
     if out.exists() and out.is_dir() != folder:
         fix = "a file has this name, give a folder" if folder else "a folder has this name"
         raise FrictionJointError(f"--out {out}: {fix}")
-    if not force:
-        written = [out] if files is None else [out / name for name in files]
-        if existing := [path for path in written if path.exists()]:
-            _require_others(existing, made_from)
-            raise FrictionJointError(
-                f"{existing[0]} exists already: give another --out, or --force to overwrite it"
-            )
+    written = [out] if files is None else [out / name for name in files]
+    existing = [path for path in written if path.exists()]
+    _require_others(existing, made_from)
+    if existing and not force:
+        raise FrictionJointError(
+            f"{existing[0]} exists already: give another --out, or --force to overwrite it"
+        )
     place = out.absolute() if folder else out.absolute().parent
     while not place.exists():
         place = place.parent
@@ -68,6 +69,5 @@ def _require_others(existing: Iterable[Path], made_from: Iterable[Path]) -> None
             for path in existing:
                 if part.exists() and path.samefile(part):
                     raise FrictionJointError(
-                        f"{path} is an input of this command: give another --out, or --force to "
-                        "overwrite it"
+                        f"{path} is an input of this command: give another --out"
                     )

@@ -50,7 +50,7 @@ def plot(
     target = out or Path(f"{found.logs[0].stem}.html")
     if target.suffix.lower() not in _KINDS:
         raise LogError(f"--out {target}: the name must end in {', '.join(_KINDS)}")
-    require_writable(target, found.logs, force)
+    require_writable(target, found.files, force)
     read_one = options.reader(found)
     with progress() as say, warnings_afterwards():
         read = []

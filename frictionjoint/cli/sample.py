@@ -14,7 +14,7 @@ def sample(
     report: Annotated[
         Path, typer.Argument(metavar="REPORT", help="report.json of close-loop, or its folder.")
     ],
-    n: Annotated[int, typer.Option("--n", min=1, help="Number of samples.")],
+    n: Annotated[int, typer.Option("--n", min=1, max=100_000, help="Number of samples.")],
     out: Annotated[Path, typer.Option("--out", metavar="JSON", help="File to write.")],
     joint: ReportJoint = None,
     seed: Annotated[int, typer.Option(min=0, help="Equal seeds give equal samples.")] = 0,
@@ -37,8 +37,10 @@ def sample(
     from frictionjoint.report.joints import read_joint
     from frictionjoint.report.write import write_files
 
-    require_writable(out, [report], force)
+    if out.suffix.lower() != ".json":
+        raise ParameterError(f"--out {out}: the name must end in .json")
     file, _, own = read_joint(report, joint)
+    require_writable(out, [file], force)
     if "posterior" not in own:
         raise ParameterError(
             f"{file}: it contains no parameter uncertainty: make the report from logs that "
