@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+NO_JOINT = "no hinge or slide joint in the model"
+
 
 class FrictionJointError(ValueError):
     """Base of every error this package raises on bad input.

@@ -24,7 +24,9 @@ def read_toml(path: Path, fix: str = "") -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ParameterError(f"{path}: cannot be read: {error.strerror}{fix}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError:
+        raise ParameterError(f"{path}: not text in UTF-8, save it as UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
         raise ParameterError(f"{path}: not TOML: {error}") from None
 
 

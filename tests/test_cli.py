@@ -93,9 +93,19 @@ def test_piped_output_is_plain_and_wide(tmp_path):
         (["bogus"], "No such command 'bogus'; see frictionjoint --help"),
         (["check"], "; see frictionjoint check --help"),
         (["check", LOG], "not a model: give the path of an MJCF or a URDF"),
+        (["check", DEMO], "a folder, give the path of an MJCF"),
+        (["sample", "out", "--n", 10**11, "--out", "s.json"], "--n"),
+        (["sample", "out", "--n", 3, "--out", "s.toml"], "the name must end in .json"),
+        (["evaluate", "none.xml", LOG], "no hinge or slide joint in the model"),
+        (["identify", LOG, "--model", "none.xml", "--out", "a.toml"], "none.xml: no hinge or"),
+        (["identify", LOG, "--model", "unnamed.xml", "--out", "a.toml"], "joint has no name: name"),
+        (["inspect", "latin.toml"], "latin.toml: not text in UTF-8, save it as UTF-8"),
     ],
 )
-def test_wrong_usage_names_the_help_to_read(arguments, line, tmp_path):
+def test_wrong_usage_names_what_to_do(arguments, line, tmp_path):
+    (tmp_path / "none.xml").write_text("<mujoco/>")
+    (tmp_path / "unnamed.xml").write_text(MODEL.read_text().replace('name="joint"', ""))
+    (tmp_path / "latin.toml").write_bytes(b"# \xe9")
     done = run(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert line in done.stderr

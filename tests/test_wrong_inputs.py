@@ -196,6 +196,11 @@ CASES = {
     "a map the wrong way round": wrong("the standard name comes first, time_s=t",
                                        log=renamed(time_s="t"),
                                        options=("--column", "t=time_s"), python=None),
+    "a unit twice": wrong("--unit position is given twice", options=(
+        "--unit", "position=deg", "--unit", "position=rad"), python=None),
+    "a rate of nothing": wrong("the rate must be above 0", options=("--column", "time_s=0Hz"),
+                               python=None),
+    "a joint of no name": wrong("no joint ''", joint="", python=None),
     "half a map": wrong("write ours=theirs", options=("--column", "time_s"), python=None),
     "a signal that is not there": wrong("no column 'n' for --signal", options=("--signal", "n"),
                                         python=None),

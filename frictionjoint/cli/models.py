@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from frictionjoint.cli.logs import named
+from frictionjoint.cli.logs import by_name
 from frictionjoint.cli.output import Force, Json, print_json, require_writable
 from frictionjoint.cli.terminal import show_table, warnings_afterwards
 from frictionjoint.errors import FrictionJointError, ParameterError, few
@@ -66,7 +66,8 @@ def install(
     from frictionjoint.simulate.carrier import install as install_in_spec
 
     with warnings_afterwards():
-        named = _files(joint or [])
+        given = by_name("--joint", joint or [], "write NAME=params.toml")
+        named = {name: Path(path) for name, path in given.items()}
         tables = [*named.values(), *([every] if every else [])]
         require_writable(out, [mjcf, *tables], force)
         carried = {name: read_parameters(path) for name, path in named.items()}
@@ -157,17 +158,6 @@ def view(mjcf: Carrying) -> None:
     from frictionjoint.simulate.viewer import view as open_viewer
 
     open_viewer(mjcf)
-
-
-def _files(joints: list[str]) -> dict[str, Path]:
-    """Parameter files by joint, from options NAME=TOML."""
-    found: dict[str, Path] = {}
-    for text in joints:
-        name, path = named("--joint", text, "write NAME=params.toml")
-        if name in found:
-            raise ParameterError(f"--joint {name} is given twice: keep one")
-        found[name] = Path(path)
-    return found
 
 
 def _all_joints(

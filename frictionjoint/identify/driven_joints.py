@@ -5,7 +5,7 @@ from pathlib import Path
 
 import mujoco
 
-from frictionjoint.errors import LogError, few
+from frictionjoint.errors import NO_JOINT, LogError, ModelError, few
 from frictionjoint.identify.held import joint_label
 from frictionjoint.measured.readers import joints_with_drive
 from frictionjoint.model_files import ONE_DOF
@@ -19,9 +19,12 @@ def joints_to_explain(
     Columns that name no joint are those of the only joint of a model.
 
     Raises:
+        ModelError: the model has none.
         LogError: a log has none of those in the model and in the logs before it.
     """
     has = [joint_label(model, j) for j in range(model.njnt) if int(model.jnt_type[j]) in ONE_DOF]
+    if not has:
+        raise ModelError(NO_JOINT)
     names = has
     for path in logs:
         driven = joints_with_drive(path, columns) or (has if len(has) == 1 else [])
@@ -30,7 +33,7 @@ def joints_to_explain(
             source = "model" if names is has else "model and of the logs before it"
             raise LogError(
                 f"{Path(path).name}: no joint of the {source} has a position and a drive here: "
-                f"wanted is one of {few(names, 12) or 'none'}, the columns name "
+                f"wanted is one of {few(names, 12)}, the columns name "
                 f"{few(driven, 12) or 'none'}; name one joint with --joint, or its columns "
                 "--column JOINT.position_rad=NAME"
             )

@@ -56,6 +56,8 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
                 fix = f"the standard name comes first, {theirs}={ours}"
             raise LogError(f"{source}: --column {ours}={theirs}: unknown name {ours!r}: {fix}")
         if theirs not in names and not (ours_last == "time_s" and sample_rate(theirs)):
+            if ours_last == "time_s" and theirs.lower().endswith("hz"):
+                raise LogError(f"{source}: --column {ours}={theirs}: the rate must be above 0")
             raise LogError(f"{source}: no column {theirs!r}, {_has(names)}")
     return {name: name for name in names} | mapping
 

@@ -121,8 +121,8 @@ def _rows(path: Path, layout: Layout, first: int, lines: list[str]) -> list[tupl
             number = first + reader.line_num - 1
             if cells and len(cells) != wide:
                 raise LogError(
-                    f"{path.name}, row {number}: {len(cells)} cells, the header has {wide}: "
-                    "complete the row or leave it out"
+                    f"{path.name}, row {number}: {len(cells)} cell{'s' * (len(cells) != 1)}, the "
+                    f"header has {wide}: complete the row or leave it out"
                 )
             if cells:
                 made.append((number, cells))

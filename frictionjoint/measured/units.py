@@ -84,11 +84,13 @@ def units_of(texts: Iterable[str]) -> dict[str, str]:
     Raises:
         LogError: a text does not have that form, or names an unknown quantity or unit.
     """
-    found = {}
+    found: dict[str, str] = {}
     for text in texts:
         quantity, equals, unit = text.partition("=")
         if not (quantity and equals and unit):
             raise LogError(f"--unit {text}: write QUANTITY=UNIT, e.g. position=deg")
+        if quantity in found:
+            raise LogError(f"--unit {quantity} is given twice: keep one")
         found[quantity] = unit
     check_units(found)
     return found

@@ -316,7 +316,8 @@ def load_model(path: str | Path) -> mujoco.MjModel:
     """
     require_path(path, "load_model")
     if not Path(path).is_file():
-        raise ModelError(f"{path}: no such file, check the path")
+        what = "a folder" if Path(path).is_dir() else "no such file"
+        raise ModelError(f"{path}: {what}, give the path of an MJCF")
     with as_python_warnings(), compiling():
         try:
             model = mujoco.MjModel.from_xml_path(str(path))
