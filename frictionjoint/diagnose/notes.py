@@ -131,15 +131,13 @@ def _constraint_note(found: Trace) -> tuple[str, ...]:
     shape = found.final.shape
     if not isinstance(shape, ConstraintShape):
         return ()
-    lead = f"{1e3 * shape.lead:.2g} ms"
+    drive, late = "torque", ""
     if found.prepared.commanded:
-        return (
-            f"Friction changes direction {lead} before the logged velocity does: probably target "
-            "and position are sampled at different times, or the controller file lacks a delay.",
-        )
+        drive, late = "target", ", or the controller file lacks a delay"
     return (
-        f"Torque leads position by {lead}: probably the two signals are sampled at different "
-        "times. A log simulated with MuJoCo's own frictionloss looks the same.",
+        f"Friction changes direction {1e3 * shape.lead:.2g} ms before the velocity does, as "
+        "MuJoCo's own frictionloss does in a simulation and no real joint. In a log of a real "
+        f"joint, {drive} and position are sampled at different times{late}.",
     )
 
 
