@@ -87,7 +87,7 @@ class FrictionBatch:
         Returns:
             torque, N m (N), stiffness, N m/rad, and damping, N m s/rad, with the array type and
             precision of q. Doubles on the CPU are not copied; single precision is computed in
-            doubles.
+            doubles. A NaN in q or v makes all three of its joint NaN, until that joint is `reset`.
         Raises:
             ParameterError: another shape or device, or h is not positive.
         """

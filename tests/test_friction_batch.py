@@ -102,10 +102,12 @@ def test_worlds_and_joints_have_friction_of_their_own_and_are_reset_apart():
         parts = (one.step(q[:, 0], v[:, 0], 1e-3), other.step(q[:, 1], v[:, 1], 1e-3))
     for i in range(3):
         np.testing.assert_array_equal(both[i], np.stack([p[i] for p in parts], axis=1))
+    batch.step(np.where(np.eye(3, 2), np.nan, q), v, 1e-3)  # of worlds 0 and 1 a joint each
+    assert np.array_equal(np.isnan(batch.step(q, v, 1e-3)[0]), np.eye(3, 2))
     batch.reset(np.array([True, False, False]))
     torque, _, _ = batch.step(q, np.zeros((3, 2)), 1e-3)
     assert np.all(torque[0] == 0.0)
-    assert np.all(torque[1:] > 0.05)
+    assert np.all(torque[[1, 2, 2], [0, 0, 1]] > 0.05)
 
 
 class Tensor:
