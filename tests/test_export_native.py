@@ -105,7 +105,7 @@ def test_native_has_the_friction_of_steady_sliding(one_joint, tmp_path):
 def test_what_is_lost_is_named(one_joint, tmp_path):
     native, _ = written(one_joint, "native", tmp_path / "a", speeds=(0.1, 2.0))
     urdf, _ = written(one_joint, "urdf", tmp_path / "b", speeds=(0.1, 2.0))
-    assert "cogging" in native.lost[0]
+    assert "cogging (sine part 0.1 N m" in native.lost[0]
     assert "spring" not in native.lost[0]
     for word in ("a spring of 2", "a constant torque of", "rotor inertia 0.05"):
         assert word in urdf.lost[0]

@@ -52,6 +52,7 @@ def inspect(
 
 def _of_model(file: Path) -> list[dict[str, Any]]:
     from frictionjoint.model_files import ONE_DOF, compile_model
+    from frictionjoint.simulate.assumption_text import assumed
     from frictionjoint.simulate.block import blocks
     from frictionjoint.simulate.carrier import read_friction
 
@@ -63,9 +64,12 @@ def _of_model(file: Path) -> list[dict[str, Any]]:
             continue
         name = model.joint(j).name
         slide = int(model.jnt_type[j]) == ONE_DOF[1]
-        rows.append(
-            _carried(name, carried[name], slide) if name in carried else _native(model, j, slide)
-        )
+        if name in carried:
+            row = _carried(name, carried[name], slide)
+            row["law"] = "; ".join([row["law"], *assumed(model, name)])
+            rows.append(row)
+        else:
+            rows.append(_native(model, j, slide))
     return rows
 
 

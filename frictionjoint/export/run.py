@@ -10,7 +10,8 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.catalogue import CATALOGUE, title
+from frictionjoint.describe import effect_texts
+from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
 from frictionjoint.export import c, scripts
 from frictionjoint.export.losses import Loss, losses
@@ -286,7 +287,12 @@ def _lost(
                 f"presliding stiffness, {softened[name]:.2g} times softer for the time step"
             )
         kept = _MECHANICAL if task.target in ("native", "mjx") else frozenset()
-        what += [title(effect) for effect in p.lost if effect not in kept]
+        sizes = effect_texts(task.friction[name], is_slide(bare, name))
+        what += [
+            f"{size.replace(': ', ' (', 1)})"
+            for effect, size in zip(task.friction[name].effects, sizes, strict=True)
+            if effect.effect.name in p.lost and effect.effect.name not in kept
+        ]
         if task.target not in _SPRINGS:
             if p.preload != 0.0:
                 what.append(f"a constant torque of {p.preload:.4g}")

@@ -10,6 +10,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
 from frictionjoint.model_joints import is_slide
+from frictionjoint.simulate.assumption_text import assumed
 from frictionjoint.simulate.block import HEAD
 from frictionjoint.simulate.carrier import read_friction, resolve
 from frictionjoint.simulate.idle_warning import callback_is_off
@@ -60,7 +61,8 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
         except ModelError as error:
             outside.append(str(error))
         acts = [
-            f"{e.effect.title or e.effect.name} {how_it_acts(name, e)}" for e in carried.effects
+            f"the effect {e.effect.title or e.effect.name!r} {how_it_acts(name, e)}"
+            for e in carried.effects
         ]
         if law.law == "static":  # it would not hold a joint at rest
             held = f"a joint at rest is held by an elastic element of {stiffness:.4g} {unit}"
@@ -77,7 +79,7 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
                 "implicit": bool(implicit),
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
-                "acts": acts + tendon_friction(model, name),
+                "acts": acts + tendon_friction(model, name) + assumed(model, name),
                 "outside": outside,
                 "remark": _remark(ratio, model.opt.timestep),
             }
