@@ -2,14 +2,15 @@
 
 import dataclasses
 import json
-import math
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from frictionjoint.errors import ParameterError
+
+# types in words
+_WORDS = {dict: "a table", list: "a list", str: "text", float: "a number below 1e100"}
 
 
 def read_toml(path: Path, fix: str = "") -> dict[str, Any]:
@@ -46,41 +47,39 @@ def read_json(path: Path, fix: str) -> Any:
         raise ParameterError(f"{path}: not JSON: {fix}") from None
 
 
-def misfits(x: Any, form: Any, place: str) -> Iterator[str]:
-    """Each entry of a JSON file's content that has another form, and the form it must have.
+def require_form(x: Any, form: Any, place: str) -> None:
+    """Check the content of a JSON file.
 
     Args:
-        form: a type, a Literal, a dataclass; forms by key, where "key?" may be missing; or, in a
-            list, the form of all entries of a list.
+        form: a type, a Literal, a dataclass; forms by key, where "key?" may be missing; in a list,
+            the form of its entries. Of a union the first type counts, or null.
         place: of `x` in the file.
+    Raises:
+        ParameterError: the first entry of another form, and the form it must have.
     """
     kind, inner = get_origin(form) or form, get_args(form)
     if dataclasses.is_dataclass(form):
         types, fields, unset = get_type_hints(form), dataclasses.fields(form), dataclasses.MISSING
         form = {f.name + "?" * (f.default != unset): types[f.name] for f in fields}
-    if isinstance(form, dict) or kind is dict:
-        if not isinstance(x, dict):
-            yield f"{place} is {x!r:.40}: it must be a table"
-            return
+    base = type(form) if isinstance(form, dict | list) else list if kind is tuple else kind
+    if kind is UnionType:
+        if x is not None:
+            require_form(x, inner[0], place)
+        return
+    fits = base is Any or (x in inner if kind is Literal else isinstance(x, base))
+    if base is float:  # no number of a joint is larger, and the squares of these are finite
+        fits = isinstance(x, int | float) and not isinstance(x, bool) and abs(x) < 1e100
+    if not fits:
+        one = f"one of {', '.join(map(repr, inner))}"
+        words = one if kind is Literal else _WORDS.get(base, base.__name__)
+        raise ParameterError(f"{place} is {x!r:.40}: it must be {words}")
+    if base is dict:
         for key, own in (form if isinstance(form, dict) else dict.fromkeys(x, inner[1])).items():
             name = key.removesuffix("?")
             if name in x:
-                yield from misfits(x[name], own, f"{place}.{name}")
+                require_form(x[name], own, f"{place}.{name}")
             elif name == key:
-                yield f"{place}.{name} is missing"
-    elif isinstance(form, list) or kind in (list, tuple):
-        for i, entry in enumerate(x if isinstance(x, list) else ()):
-            yield from misfits(entry, (inner or form)[0], f"{place}.{i}")
-        if not isinstance(x, list):
-            yield f"{place} is {x!r:.40}: it must be a list"
-    elif kind is UnionType:
-        if all(any(misfits(x, one, place)) for one in inner):
-            yield from misfits(x, inner[0], place)
-    elif kind is Literal:
-        if x not in inner:
-            yield f"{place} is {x!r:.40}: it must be one of {', '.join(map(repr, inner))}"
-    elif kind is float:
-        if isinstance(x, bool) or not isinstance(x, int | float) or not math.isfinite(x):
-            yield f"{place} is {x!r:.40}: it must be a finite number"
-    elif form is not Any and not isinstance(x, kind):
-        yield f"{place} is {x!r:.40}: it must be {'text' if kind is str else kind.__name__}"
+                raise ParameterError(f"{place}.{name} is missing")
+    if base is list:
+        for i, entry in enumerate(x):
+            require_form(entry, (inner or form)[0], f"{place}.{i}")

@@ -196,18 +196,12 @@ class LogOptions:
             ModelError: not JOINT=VALUE, or a joint twice.
         """
         found: dict[str, float | list[float]] = {}
-        for text in self.fixed or []:
-            name, _, value = text.rpartition("=")
+        fix = "write JOINT=VALUE in rad or m, e.g. shoulder=0.3"
+        for name, value in by_name("--fixed", self.fixed or [], fix).items():
             try:
                 numbers = [float(x) for x in value.split(",")]
             except ValueError:
-                numbers = []
-            if not name or not numbers:
-                raise ModelError(
-                    f"--fixed {text}: write JOINT=VALUE in rad or m, e.g. shoulder=0.3"
-                )
-            if name in found:
-                raise ModelError(f"--fixed {name} is given twice: keep one")
+                raise ModelError(f"--fixed {name}={value}: {fix}") from None
             found[name] = numbers if len(numbers) > 1 else numbers[0]
         return found
 

@@ -8,19 +8,20 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rms import Rms
+from frictionjoint.parameter_checks import require
 from frictionjoint.parameter_meanings import UNITS
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.report.entries import Added, LogEntry, Looked
 from frictionjoint.report.joint_report import SCHEMA, Verdict
 from frictionjoint.report.robot_report import SCHEMA as ROBOT
 from frictionjoint.report.units_report import SCHEMA as SEVERAL
-from frictionjoint.structured_files import misfits, read_json
+from frictionjoint.structured_files import read_json, require_form
 
 # what belongs to a robot, not to one of its joints
 _ROBOT = ("schema", "logs", "made")
 _LAW = {"law": str, "parameters": dict[str, Estimate]}
 _ERRORS = {"torque_rms": Rms, "replay_rms?": Rms, "closed_loop_mae?": Rms}
-# what is read of a joint, see `misfits`
+# what is read of a joint, see `require_form`
 _JOINT = {
     "joint": str,
     "verdict": Verdict,
@@ -76,32 +77,22 @@ def read_joints(path: Path) -> tuple[Path, dict[str, dict[str, Any]]]:
     joints: dict[str, dict[str, Any]] = {}
     try:
         if schema == ROBOT:
-            _require(content, {"joints": dict[str, dict[str, Any]]}, "report")
+            require_form(content, {"joints": dict[str, dict[str, Any]]}, "report")
         for name in content["joints"] if schema == ROBOT else (content.get("joint"),):
             own = joint_content(content, name)
-            _require(own, _JOINT, f"joints.{name}" if schema == ROBOT else "report")
-            _require_possible(own)
+            require_form(own, _JOINT, f"joints.{name}" if schema == ROBOT else "report")
+            for stage in ("base", "after"):
+                for number, x in own[stage]["parameters"].items():
+                    known = number.partition("_")[0] in UNITS
+                    require(not known or x["value"] >= 0.0, number, x["value"], "0 or more")
+            if "model" in own:
+                joint_friction(own["model"])
+            if "posterior" in own:
+                Posterior.from_dict(own["posterior"])
             joints[name] = own
     except ParameterError as error:
         raise ParameterError(f"{file}: {error}; make the report again with close-loop") from None
     return file, joints
-
-
-def _require(content: Any, form: Any, place: str) -> None:
-    if text := next(misfits(content, form, place), ""):
-        raise ParameterError(text)
-
-
-def _require_possible(content: Mapping[str, Any]) -> None:
-    """Check the numbers of the laws, the model and the posterior of a joint."""
-    for stage in ("base", "after"):
-        for name, x in content[stage]["parameters"].items():
-            if x["value"] < 0.0 and name.partition("_")[0] in UNITS:
-                raise ParameterError(f"{stage}: {name} is {x['value']:g}: it must be 0 or more")
-    if "model" in content:
-        joint_friction(content["model"])
-    if "posterior" in content:
-        Posterior.from_dict(content["posterior"])
 
 
 def read_joint(path: Path, joint: str | None) -> tuple[Path, str, dict[str, Any]]:
