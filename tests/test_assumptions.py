@@ -122,10 +122,8 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
     assert not report.added
     assert [n for n in report.notes if "presliding stiffness is assumed" in n]
     assert 'name="frictionjoint-assumed:j"' in report.mjcf
-    assert (
-        "assumed: the stiffness"
-        in fj.check(mujoco.MjModel.from_xml_string(report.mjcf))[0]["acts"][-1]
-    )
+    model = mujoco.MjModel.from_xml_string(report.mjcf)
+    assert "assumed: the stiffness" in fj.check(model)[0]["acts"][-1]
     spec = mujoco.MjSpec.from_string(report.mjcf)
     uninstall(spec)
     assert not list(spec.texts)

@@ -10,7 +10,6 @@ from reports import good, put, robot
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ParameterError
 from frictionjoint.export.motion import stated_motion
-from frictionjoint.files import toml_text
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.report.compare import compared, draw
@@ -20,13 +19,6 @@ from frictionjoint.rivals import StaticParameters
 KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
 A = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma2=0.3, n=2, knots=KNOTS)
 B = FrictionParameters.symmetric(Fs=1.2, Fc=1.0, Vs=0.02, n=1, knots=KNOTS)
-
-
-@pytest.fixture
-def folder(tmp_path):
-    (tmp_path / "a.toml").write_text(toml_text(A))
-    (tmp_path / "b.toml").write_text(toml_text(B))
-    return tmp_path
 
 
 def test_figures_are_those_of_the_law():
@@ -65,27 +57,19 @@ def test_reports_in_folders_of_one_name_have_a_column_each(tmp_path, demo_report
     [
         ("schema", "frictionjoint/report-9", "this version reads, its schema is 'frictionj"),
         ("joint", 3, "report.joint is 3: it must be text; make the report again"),
-        ("base", None, "report.base is None: it must be a table"),
         ("after.torque_rms", {"fit": 1.0}, "report.after.torque_rms.held_out is missing"),
         ("added", [{}], "report.added.0.effect is missing"),
         ("notes", None, "report.notes is None: it must be a list"),
         ("verdict", "perfect", "report.verdict is 'perfect': it must be one of 'explained'"),
-        ("at_rest", "often", "report.at_rest is 'often': it must be a number"),
         ("base.parameters.n.value", np.nan, "base.parameters.n.value is nan"),
         ("after.parameters.Fc_neg.value", -1.0, "Fc_neg is -1: it must be 0 or more"),
         ("model.Fc_pos", np.nan, "Fc_pos is nan: give a finite number"),
-        ("model", {}, "missing parameter Fs_pos"),
-        (
-            "posterior",
-            {"parameters": good()["model"], "factor": [[1e300]]},
-            "factor.0.0 is 1e+300",
-        ),
+        ("posterior", {"parameters": {}, "factor": [[1e300]]}, "factor.0.0 is 1e+300"),
     ],
 )
 def test_a_damaged_report_is_refused_with_its_file_and_place(tmp_path, place, value, says):
     assert all(read_joints(write(tmp_path, x))[1] for x in (good(), robot(elbow=good())))
-    content = good()
-    put(content, place, value)
+    put(content := good(), place, value)
     with pytest.raises(ParameterError) as caught:
         read_joints(write(tmp_path, content))
     assert str(caught.value).startswith(f"{tmp_path / 'report.json'}: ")
@@ -119,16 +103,12 @@ def test_a_law_that_creeps_leaves_the_loops_of_others_as_they_are():
     assert b.figures["at rest"] == "creeps"
 
 
-@pytest.mark.parametrize(("kind", "begins"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
-def test_pictures(kind, begins):
-    assert bytes(draw(compared({"a": JointFriction(A)}), kind)).startswith(begins)
-
-
-def test_table_and_page(folder):
-    done = run("compare", "a.toml", "b.toml", "--out", "c.html", cwd=folder)
-    assert done.returncode == 0, done.stderr
-    assert "breakaway torque" in done.stdout
-    page = (folder / "c.html").read_text()
-    assert "Breakaway: a slow pull from rest" in page
-    assert "breakaway displacement, rad" in page
-    assert 'src="http' not in page
+@pytest.mark.parametrize(
+    ("kind", "has"),
+    [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".html", b"breakaway displacement, rad")],
+)
+def test_pictures_and_pages(kind, has):
+    drawn = draw(compared({"a": JointFriction(A)}), kind)
+    drawn = drawn.encode() if isinstance(drawn, str) else drawn
+    assert has in drawn
+    assert b'src="http' not in drawn

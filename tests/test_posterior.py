@@ -86,13 +86,6 @@ def test_the_command_writes_tables_that_make_friction(tmp_path, posterior):
     assert run("sample", str(tmp_path), "--n", "7", "--out", str(out), cwd=tmp_path).returncode == 0
     tables = json.loads(out.read_text())
     assert [joint_friction(t) for t in tables] == list(posterior.sample(7))
-    report.write_text(json.dumps(good()))
-    failed = run(
-        "sample", str(report), "--n", "7", "--out", str(tmp_path / "none.json"), cwd=tmp_path
-    )
-    assert failed.returncode == 2
-    assert "no parameter uncertainty" in failed.stderr
-    assert not (tmp_path / "none.json").exists()
 
 
 def test_a_robot_report_asks_for_the_joint_and_one_of_several_robots_for_the_robot(

@@ -4,9 +4,6 @@ Every case goes through the command line and through Python. The gate stands bef
 each answers in a second.
 """
 
-import signal
-import sys
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,9 +12,9 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from command_line import run
 
 import frictionjoint as fj
-from frictionjoint.cli import main
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.design import solve
 from frictionjoint.measured.log import JointLog
@@ -264,36 +261,22 @@ def files_of(case: Wrong, folder: Path) -> tuple[list[Path], Path | float | None
     return logs, write("held", held) if isinstance(held, dict | str) else held
 
 
-def line_of(
-    arguments: list[object], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> str:
+def line_of(*arguments: object, cwd: Path) -> str:
     """The one line that a command ends with."""
-    monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)
-    monkeypatch.setattr(sys, "argv", ["frictionjoint", *map(str, arguments)])
-    before = signal.getsignal(signal.SIGTERM)
-    try:
-        with pytest.raises(SystemExit) as ended:
-            main()
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    err = capsys.readouterr().err
-    assert ended.value.code == 2, err
-    (line,) = err.strip().splitlines()
+    done = run(*arguments, cwd=cwd)
+    assert done.returncode == 2, done.stderr
+    (line,) = done.stderr.strip().splitlines()
     return line
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_wrong_input_ends_in_one_line(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wrong_input_ends_in_one_line(name: str, tmp_path: Path) -> None:
     case = CASES[name]
     logs, held = files_of(case, tmp_path)
     there = sorted(tmp_path.iterdir())
     command = ["close-loop", *logs, *own_model(case, tmp_path), "--joint", case.joint]
     command += ["--held-out", held] if held is not None else []
-    line = line_of(
-        [*command, "--out", tmp_path / "deep" / "out", *case.options], capsys, monkeypatch
-    )
+    line = line_of(*command, "--out", "deep/out", *case.options, cwd=tmp_path)
     for word in case.says:
         assert word in line
     assert sorted(tmp_path.iterdir()) == there, "nothing may be written"
@@ -313,13 +296,11 @@ def test_a_wrong_input_ends_in_one_line(
 @pytest.mark.parametrize(
     "name", [n for n, c in CASES.items() if c.held_out is None and "--seed" not in c.options]
 )
-def test_identify_has_the_same_gate(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_identify_has_the_same_gate(name: str, tmp_path: Path) -> None:
     case = CASES[name]
     logs, _ = files_of(case, tmp_path)
     command = ["identify", *logs, *own_model(case, tmp_path), "--joint", case.joint]
-    line = line_of([*command, "--out", tmp_path / "out.toml", *case.options], capsys, monkeypatch)
+    line = line_of(*command, "--out", "out.toml", *case.options, cwd=tmp_path)
     for word in case.says:
         assert word.replace(" (first part)", "") in line
     assert not (tmp_path / "out.toml").exists()
@@ -335,21 +316,11 @@ def test_identify_has_the_same_gate(
     ],
 )
 def test_an_output_that_cannot_be_written_is_told_first(
-    command: str,
-    out: str,
-    says: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    command: str, out: str, says: str, tmp_path: Path
 ) -> None:
     (tmp_path / "log0.csv").write_text("not even a log")
-    line = line_of(
-        [command, tmp_path / "log0.csv", "--model", "m.xml", "--joint", "j",
-         "--out", tmp_path / out],
-        capsys,
-        monkeypatch,
-    )  # fmt: skip
-    assert says in line
+    model = ("--model", "m.xml", "--joint", "j")
+    assert says in line_of(command, "log0.csv", *model, "--out", out, cwd=tmp_path)
 
 
 LOG = JointLog(

@@ -1,5 +1,6 @@
 """The command `inspect`: the friction numbers of a model or of a parameter file."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -64,16 +65,14 @@ def _of_model(file: Path) -> list[dict[str, Any]]:
             continue
         name = model.joint(j).name
         slide = int(model.jnt_type[j]) == ONE_DOF[1]
-        if name in carried:
-            row = _carried(name, carried[name], slide)
-            row["law"] = "; ".join([row["law"], *assumed(model, name)])
-            rows.append(row)
-        else:
-            rows.append(_native(model, j, slide))
+        own, said = carried.get(name), assumed(model, name)
+        rows.append(_carried(name, own, slide, said) if own else _native(model, j, slide))
     return rows
 
 
-def _carried(name: str, joint: "JointFriction", slide: bool | None) -> dict[str, Any]:
+def _carried(
+    name: str, joint: "JointFriction", slide: bool | None, assumptions: Sequence[str] = ()
+) -> dict[str, Any]:
     """Friction of this package. A parameter file does not say whether the joint is a slide."""
     from frictionjoint.describe import effect_texts, law_values
 
@@ -84,7 +83,7 @@ def _carried(name: str, joint: "JointFriction", slide: bool | None) -> dict[str,
         law += ", units of a hinge (for a slide read N for N m and m for rad)"
     return {
         "joint": name,
-        "law": law,
+        "law": "; ".join([law, *assumptions]),
         "numbers": [_row(x) for x in law_values(joint.parameters, bool(slide))],
         "effects": list(effect_texts(joint, bool(slide))),
     }
