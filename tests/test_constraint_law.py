@@ -1,5 +1,7 @@
 """Logs of simulations with MuJoCo's own `frictionloss`: read as what they are."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -10,6 +12,8 @@ from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
+from frictionjoint.recordings.drift import drift, known_of
+from frictionjoint.report.folder import write_report
 
 LOSS, DAMPING = 0.8, 0.3
 BELIEVED = """
@@ -20,10 +24,10 @@ BELIEVED = """
 TRUE = BELIEVED.replace('name="j"', f'name="j" frictionloss="{LOSS}" damping="{DAMPING}"')
 
 
-def driven(seed: int, noise: float, seconds: float = 15.0) -> JointLog:
+def driven(seed: int, noise: float, seconds: float = 15.0, true: str = TRUE) -> JointLog:
     """The joint led by a controller along sines, its torque logged with noise, N m."""
     rng = np.random.default_rng(seed)
-    model = mujoco.MjModel.from_xml_string(TRUE)
+    model = mujoco.MjModel.from_xml_string(true)
     data = mujoco.MjData(model)
     n = int(seconds / model.opt.timestep)
     f, phase = np.array([0.13, 0.31, 0.7]), rng.uniform(0.0, 6.28, 3)
@@ -49,6 +53,22 @@ def test_native_friction_is_found_with_its_size_and_nothing_else(noise):
     # of the constraint's lead half a step of the simulation is lost
     assert lead == pytest.approx(1e3 * (LEAD - 0.5e-3), abs=0.3)
     assert report.after_torque.held_out < 0.01 * LOSS
+
+
+@pytest.mark.parametrize("solref", ["0.02", "0.004"])
+def test_an_unchanged_joint_of_a_simulation_has_not_changed(solref, tmp_path):
+    true = TRUE.replace("frictionloss", f'solreffriction="{solref} 1" frictionloss')
+    logs = [driven(seed, 0.02, true=true).part(slice(None, None, 5), "") for seed in range(4)]
+    noise = 2e-5 * np.random.default_rng(4).standard_normal(len(logs[0].time))
+    logs = [replace(log, position=log.position + noise) for log in logs]
+    report = close_loop(logs[:2], BELIEVED, "j", logs[2:3])
+    write_report(report, tmp_path, "")
+    rows = {row["number"]: row["mean"] for row in report.recordings}
+    new = {x.number: x for x in drift(known_of(tmp_path), logs[3:])}
+    for number, size in (("Fc", LOSS), ("sigma2", DAMPING)):
+        assert rows[number] == pytest.approx(size, rel=0.02)
+        assert new[number].now == pytest.approx(size, rel=0.02)
+        assert new[number].state == "confirmed"
 
 
 def test_friction_with_another_lead_than_a_simulation_is_not_taken_for_one():

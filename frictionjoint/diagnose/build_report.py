@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from frictionjoint.diagnose.notes import DIVERGES, REFINED, gain_note, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.resulting_model import ResultingModel
 from frictionjoint.diagnose.verdict import noise_floor, verdict
+from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import law_estimates, law_parameters, units_of
@@ -134,4 +136,6 @@ def _posterior(
         # what the logs do not determine may lie far outside of what is possible
         return friction_of(vector.fit(np.clip(x, vector.low, vector.high)))
 
-    return Posterior.of(values, spread, made, vector.has_gain)
+    found, shape = Posterior.of(values, spread, made, vector.has_gain), fitted.shape
+    constraint = shape.constraint if isinstance(shape, ConstraintShape) else None
+    return replace(found, constraint=constraint)

@@ -8,7 +8,7 @@ simulation step of the lead is lost, because the acceleration is that of the com
 """
 
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -17,12 +17,36 @@ from frictionjoint.compiled import compiled
 from frictionjoint.identify.law_start import LawStart
 from frictionjoint.identify.rival_shape import RivalShape
 from frictionjoint.identify.shape import Shape
-from frictionjoint.parameters import FrictionParameters
+from frictionjoint.parameters import Friction, FrictionParameters
 
 # s, 1/b = dmax timeconst / 2 of the default solimp and solref, and what steps of up to 5 ms leave
 # of it: a lead of any size would take up much in the logs of robots
 LEAD = 0.5 * 0.95 * 0.02
 _LEADS = (0.7 * LEAD, 1.05 * LEAD)
+
+
+class Constraint(NamedTuple):
+    """How friction of this kind depends on acceleration.
+
+    Attributes:
+        lead: time by which friction changes direction before the velocity does, s.
+        V0: below this v + lead a, friction is proportional to v + lead a, rad/s (m/s).
+    """
+
+    lead: float
+    V0: float
+
+    def saturated(self, v: Array, a: Array) -> Array:
+        """Friction over its level, -1 to 1, at velocities and accelerations of shape (n,)."""
+        return np.clip((v + self.lead * a) / self.V0, -1.0, 1.0)
+
+    def torque(self, law: Friction, v: Array, a: Array) -> Array:
+        """Torque of a law that acts in this way, N m (N), shape (n,)."""
+        names = ("Fs", "Fc", "Vs", "delta", "sigma2")
+        pos, neg = ([[getattr(law, f"{n}_{side}")] for n in names] for side in ("pos", "neg"))
+        Fs, Fc, Vs, delta, sigma2 = np.where(v > 0.0, pos, neg)
+        level = Fc + (Fs - Fc) * np.exp(-((np.abs(v) / Vs) ** delta))
+        return np.asarray(level * self.saturated(v, a) + sigma2 * v)
 
 
 @dataclass(frozen=True)
@@ -116,7 +140,7 @@ class ConstraintShape(Shape):
                 steep * delta * saturated + wider,
                 -steep * np.log(np.maximum(ratio, 1e-300)) * saturated,
                 wider,
-                level * inside * self.lead * a / self._V0,
+                level * inside * self.lead * a / self.constraint.V0,
             ]
         )
         by_number = by_number[int(self.breakaway_assumed) :]
@@ -128,12 +152,13 @@ class ConstraintShape(Shape):
         a = gradient(v, time, edges)
         excess, _, delta, _ = self.static.numbers
         level = 1.0 + excess * np.exp(-(self._ratio(v) ** delta))
-        return level, np.clip((v + self.lead * a) / self._V0, -1.0, 1.0), v, a
+        return level, self.constraint.saturated(v, a), v, a
 
     @property
-    def _V0(self) -> float:
+    def constraint(self) -> Constraint:
+        """The lead and V0 of the static law."""
         _, log_Vs, _, log_part = self.static.numbers
-        return float(np.exp(log_Vs + log_part))
+        return Constraint(self.lead, float(np.exp(log_Vs + log_part)))
 
     def _ratio(self, v: Array) -> Array:
         return np.asarray(np.abs(v) / np.exp(self.static.numbers[1]))

@@ -56,7 +56,8 @@ def known_of(report: Path, joint: str | None = None) -> Known:
     if not model.is_file():
         raise ParameterError(f"{model}: missing next to the report: give the whole folder")
     posterior = Posterior.from_dict(own["posterior"])
-    return Known(model, name, posterior.content, posterior.cov)
+    content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
+    return Known(model, name, content, cov, constraint=constraint)
 
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:

@@ -26,6 +26,7 @@ from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.files import joint_friction
+from frictionjoint.identify.constraint_shape import Constraint
 from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.motion import grid_steps
@@ -39,6 +40,7 @@ from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
+from frictionjoint.parameters import Friction
 from frictionjoint.recordings.numbers import Number, changed, numbers_of
 from frictionjoint.refine.posterior import numbers_in
 from frictionjoint.refine.vector import PRIOR_ERRORS, PRIOR_SIZE
@@ -89,6 +91,7 @@ class Known:
         model: MJCF of the joint with that friction, path or text. joint: name.
         content: of its parameter file.
         cov: covariance of the file's numbers, shape (m, m), at the gain of the drive in the model.
+        constraint: how it acts in the logs it was fitted to, if they show MuJoCo's `frictionloss`.
     """
 
     model: str | Path
@@ -96,6 +99,7 @@ class Known:
     content: Mapping[str, Any]
     cov: Array
     fixed: Mapping[str, Pose] | None = None
+    constraint: Constraint | None = None
 
     @property
     def numbers(self) -> list[Number]:
@@ -170,14 +174,15 @@ class _Part:
     """A log without gaps.
 
     Attributes:
-        log: as read. corner: of the filter of its motion, Hz. noise: of its position, one standard
-            deviation, drawn at each sample, shape (n,).
+        log: as read. corner: of the filter of its motion, Hz. resolution: standard deviation of
+            the noise of its position, rad (m). noise: drawn at each sample, shape (n,).
         block: duration of a block, s. blocks: number of them.
         acts: torque per unit of each number of an effect, found along the first motion, (m,).
     """
 
     log: JointLog
     corner: float
+    resolution: float
     noise: Array
     block: float
     blocks: int
@@ -196,8 +201,8 @@ class _Part:
         seconds = float(log.time[-1] - log.time[0])
         # a second, or a twelfth of the log
         block = max(1e-9, min(1.0, seconds / 12.0))
-        noise = position_noise(position, dt, corner) * drawn
-        return cls(log, corner, noise, block, int(seconds / block) + 1)
+        resolution = position_noise(position, dt, corner)
+        return cls(log, corner, resolution, resolution * drawn, block, int(seconds / block) + 1)
 
 
 class _Balance(NamedTuple):
@@ -206,14 +211,16 @@ class _Balance(NamedTuple):
     Attributes:
         by: derivatives of the residual by the p parameters and the time offset, shape (n, p + 1).
         residual: torque that the model requires less the torque that acted, shape (n,).
-        missed: rms error of the law itself, N m (N), 0 in sliding, shape (n,).
+        sticks: from 0 in sliding to 1 where the joint sticks, shape (n,).
+        level: largest torque of the law, N m (N).
         block: index of each sample's block. blocks: number of blocks.
         acted, velocity: at each sample, shape (n,).
     """
 
     by: Array
     residual: Array
-    missed: Array
+    sticks: Array
+    level: float
     block: Index
     blocks: int
     acted: Array
@@ -230,20 +237,22 @@ class _Step(NamedTuple):
 
 def _solve(balances: Sequence[_Balance], prior: Array) -> _Step:
     """The least-squares step of one set of balances."""
-    keys = "by", "residual", "missed"
-    J, r, missed = (np.concatenate([getattr(x, k) for x in balances]) for k in keys)
+    keys = "by", "residual", "sticks"
+    J, r, sticks = (np.concatenate([getattr(x, k) for x in balances]) for k in keys)
+    slides, stuck = sticks < 0.05, sticks > 0.5
+    least = (STICKING_ERROR * max(x.level for x in balances)) ** 2
     step: Array = np.zeros(len(prior))
-    w = 1.0 * (missed == 0.0) if np.any(missed == 0.0) else np.ones(len(r))
-    variance = float(np.average(r**2, weights=w))
-    for _ in range(8):  # the residual variance, the weights and the step depend on each other
-        w = variance / (variance + missed**2)
+    for _ in range(8):  # the residual variances, the weights and the step depend on each other
+        squares = (r + J @ step) ** 2
+        variance = float(np.mean(squares[slides] if slides.any() else squares)) + 1e-300
+        missed = max(least, float(np.mean(squares[stuck])) - variance) if stuck.any() else least
+        w = variance / (variance + missed * sticks)
         precision = (J.T * w) @ J / variance + np.diag(prior**-2.0)
         step = np.asarray(np.linalg.solve(precision, -(J.T * w) @ r / variance), dtype=np.float64)
-        variance = float(np.average((r + J @ step) ** 2, weights=w)) + 1e-300
     scores = []
     for x in balances:
         score = np.zeros((x.blocks, len(prior)))
-        own = variance / (variance + x.missed**2) * (x.residual + x.by @ step)
+        own = variance / (variance + missed * x.sticks) * (x.residual + x.by @ step)
         np.add.at(score, x.block, x.by * own[:, None])
         scores.append(score / variance)
     inverse = np.linalg.inv(precision)
@@ -270,8 +279,20 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
         return recording.filter(along.needed[known.joint]), acted
 
     base, acted = needed(None)
-    q, velocity = recording.motion[known.joint][:2]
+    q, velocity, acceleration = recording.motion[known.joint]
     law = friction_torque(own.parameters, recording.time, q)
+    ahead, sticks = velocity, _from_reversal(q) <= presliding_distance(own.parameters, 0.99)
+    if known.constraint:
+        ahead = velocity + known.constraint.lead * acceleration
+        sticks = np.abs(ahead) < known.constraint.V0
+
+    def torque_of(law: Friction) -> Array:
+        if known.constraint:
+            return known.constraint.torque(law, velocity, acceleration)
+        return friction_torque(law, recording.time, q)
+
+    base += recording.filter(torque_of(own.parameters) - law)
+    law = torque_of(own.parameters)
     columns = []
     for number, value in zip(numbers, known.values, strict=True):
         by = 0.02 * value
@@ -281,7 +302,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
             by = -by
             other = changed(known.content, number, by)
         if number.of_law:
-            moved = friction_torque(other.parameters, recording.time, q)
+            moved = torque_of(other.parameters)
             columns.append(recording.filter(moved - law) / by)
         else:
             # noise of the position changes the friction level, and hardly how other effects act
@@ -291,12 +312,15 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
     columns.append(-np.gradient(acted, recording.step))
     every = max(1, int(1.0 / (A_BALANCE * recording.smooth.corner_hz * recording.step)))
     kept = np.flatnonzero(recording.known[known.joint])[::every]
-    # in presliding the position hardly determines the torque, and the error of the law is largest
-    sticks = _from_reversal(q) <= presliding_distance(own.parameters, 0.99)
-    missed = (sticks * STICKING_ERROR * float(np.max(np.abs(law))))[kept].astype(np.float64)
+    # in presliding, or slower than the encoder resolves, the position hardly determines the torque
+    # and the error of the law is largest; the filter of the motion spreads this error
+    sticks |= np.abs(ahead) < part.resolution * 2.0 * np.pi * part.corner
+    fraction = np.clip(recording.filter(sticks.astype(np.float64)), 0.0, 1.0)
     block = (recording.time[kept] / part.block).astype(int)
     J, residual = np.column_stack(columns)[kept], (base - acted)[kept]
-    return _Balance(J, residual, missed, block, part.blocks, acted[kept], velocity[kept])
+    level = float(np.max(np.abs(law)))
+    samples = fraction[kept], level, block, part.blocks, acted[kept], velocity[kept]
+    return _Balance(J, residual, *samples)
 
 
 def _from_reversal(q: Array) -> Array:

@@ -89,7 +89,8 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
             "the comparison takes the drive as it is measured, and this result corrects it "
             f"({', '.join(map(title, corrected))})."
         )
-    return Known(report.mjcf, report.joint, posterior.content, posterior.cov, fixed)
+    content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
+    return Known(report.mjcf, report.joint, content, cov, fixed, constraint)
 
 
 def _determined(between: Between) -> bool:

@@ -15,6 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
+from frictionjoint.identify.constraint_shape import Constraint
 from frictionjoint.joint_friction import JointFriction
 
 _PAIRS = ("pos", "neg")
@@ -29,11 +30,13 @@ class Posterior:
             standard normal numbers, shape (m, r), in the order of `numbers_in`.
         of_gain: number of first columns that stem from the gain of the drive, which the logs
             determine together with the friction: 1, or 0 if the torque was measured.
+        constraint: how friction acts in the logs, if they show MuJoCo's own `frictionloss`.
     """
 
     content: dict[str, Any]
     factor: Array
     of_gain: int = 0
+    constraint: Constraint | None = None
 
     @property
     def cov(self) -> Array:
@@ -116,7 +119,8 @@ class Posterior:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
-        return {"parameters": self.content, "factor": self.factor.tolist(), "of_gain": self.of_gain}
+        own = {"parameters": self.content, "factor": self.factor.tolist(), "of_gain": self.of_gain}
+        return own | ({"constraint": self.constraint._asdict()} if self.constraint else {})
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> "Posterior":
@@ -130,7 +134,10 @@ class Posterior:
         size = len(numbers_in(parameters))
         if len(rows) != size or len({len(row) for row in rows}) != 1:
             raise ParameterError(f"posterior: its factor must be {size} rows of one length")
-        return cls(parameters, np.array(rows, dtype=float), content.get("of_gain", 0))
+        own = content.get("constraint")
+        constraint = Constraint(float(own["lead"]), float(own["V0"])) if own else None
+        factor = np.array(rows, dtype=float)
+        return cls(parameters, factor, content.get("of_gain", 0), constraint)
 
 
 def _content(friction: JointFriction) -> dict[str, Any]:

@@ -38,7 +38,12 @@ _JOINT = {
     "after": _LAW | _ERRORS,
     "refined?": {"taken": bool, "parameters": dict[str, Estimate]},
     "model?": dict[str, Any],
-    "posterior?": {"parameters": dict[str, Any], "factor": list[list[float]], "of_gain?": int},
+    "posterior?": {
+        "parameters": dict[str, Any],
+        "factor": list[list[float]],
+        "of_gain?": int,
+        "constraint?": {"lead": float, "V0": float},
+    },
     "thresholds?": {"gain": float, "p_value": float},
     "candidates?": list[Looked],
     "smallest?": [{"name": str, "least": float | None, "most": float | None}],
