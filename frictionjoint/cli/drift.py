@@ -30,9 +30,9 @@ def drift(
     """State which friction numbers of a report are confirmed by new logs and which have changed.
 
     Exit code 1 if a number has changed by more than all errors explain, for maintenance scripts.
-    Less than 5% is within the error of any law. *Not resolvable*: the new logs would not show a
-    change by half of the number. Logs of target and position are compared by the controller of the
-    report, or by --controller.
+    Less than 5% is within the error of any law. *Not resolvable* (–): the new logs would not
+    show a change by half of the number. Logs of target and position are compared by the controller
+    of the report, or by --controller.
 
     Example: `frictionjoint drift report today.csv`
     """
@@ -67,8 +67,8 @@ def drift(
             (
                 f"{n.words}, {x.number}",
                 f"{x.before:.4g}",
-                f"{x.now:.4g}",
-                f"{x.stderr:.2g}",
+                "–" if x.now is None else f"{x.now:.4g}",
+                "–" if x.stderr is None else f"{x.stderr:.2g}",
                 x.state,
             )
             for n, x in zip(known.numbers, rows, strict=True)

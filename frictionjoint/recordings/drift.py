@@ -2,7 +2,8 @@
 
 The change of each friction parameter is compared with the errors of the report and of the new logs,
 and with the usual difference between recordings. The parameter is *confirmed*, *changed*, or *not
-resolvable*: the new logs could not detect a change by half of its value. Less than 5% is no change.
+resolvable*: the new logs could not detect a change by half of its value, or their value is
+impossible, so that it has another cause. Less than 5% is no change.
 """
 
 from collections.abc import Sequence
@@ -31,13 +32,14 @@ class Drift:
 
     Attributes:
         number: its name. before, now: its value in the report and in the new logs.
-        stderr: of the difference. state: see the module.
+        stderr: of the difference. state: see the module; if it is "not resolvable", `now` and
+            `stderr` are None.
     """
 
     number: str
     before: float
-    now: float
-    stderr: float
+    now: float | None
+    stderr: float | None
     state: State
 
 
@@ -80,18 +82,21 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
         informed = max(x.informed[i] for x in found)
         # a change by half must show, and three quarters of the information come from the new logs
         blind = 2.0 * sd > 0.5 * abs(before) or informed < 0.75
+        if number.of_law:  # none can be negative; one that has vanished may seem so by its error
+            blind, now = blind or now < -2.0 * sd, max(0.0, now)
         # Satterthwaite: the report's error is known, that of the logs is estimated
         dof = dof * (sd / own) ** 4 if own else np.inf
         rows.append((number.name, float(before), now, sd, blind, dof))
     tested = sum(not blind for *_, blind, _ in rows)
     drifts = []
     for name, before, now, sd, blind, dof in rows:
-        state: State = "not resolvable"
-        if not blind:
-            limit = float(t.isf(SIGNIFICANCE / (2.0 * tested), dof))
-            # no law is exact: motion of another kind moves a parameter by the error of the law
-            least = max(limit * sd, STICKING_ERROR * abs(before))
-            state = "changed" if abs(now - before) > least else "confirmed"
+        if blind:
+            drifts.append(Drift(name, before, None, None, "not resolvable"))
+            continue
+        limit = float(t.isf(SIGNIFICANCE / (2.0 * tested), dof))
+        # no law is exact: motion of another kind moves a parameter by the error of the law
+        least = max(limit * sd, STICKING_ERROR * abs(before))
+        state: State = "changed" if abs(now - before) > least else "confirmed"
         drifts.append(Drift(name, before, now, sd, state))
     return drifts
 
