@@ -168,18 +168,18 @@ def test_advice_names_what_these_logs_leave_open():
         "stiffness": Estimate(1e4, None, "N m/rad"),
     }
     tie, unexplained, velocity, presliding_motion, held = what_to_record(
-        [(effect, "gravity-error")], [], [("load", 0.3)], law, held_out=False
+        [(effect, "gravity-error")], [], [("load", 0.3)], law, False, {("Vs_pos",): "a sine"}
     )
     assert "spring, cable or balancer from payload or wrong mass" in tie
     assert effect.separating_motion in tie
     assert "load: one motion with two payloads" in unexplained
-    assert velocity.startswith("To determine Stribeck velocity:")
+    assert velocity == "a sine"  # a computed motion replaces the general one
     assert presliding_motion.startswith("To determine presliding stiffness:")
     assert "--held-out" in held
     sure = {"Fs_pos": Estimate(1.0, 0.01, "N m")}
-    assert what_to_record([], [], [], sure, held_out=True) == ()
+    assert what_to_record([], [], [], sure, True, {}) == ()
     of_error, of_output = (e for e in DRIVE_EFFECTS if e.name == "duty-drop")
-    (form,) = what_to_record([], [(of_error, of_output)], [], sure, held_out=True)
+    (form,) = what_to_record([], [(of_error, of_output)], [], sure, True, {})
     assert of_error.form in form
     assert of_output.form in form
     assert "two gains" in form

@@ -32,8 +32,11 @@ def what_to_record(
     unexplained: Iterable[tuple[str, float]],
     law: Mapping[str, Estimate],
     held_out: bool,
+    computed: Mapping[tuple[str, ...], str],
 ) -> tuple[str, ...]:
     """One sentence for each question that the logs leave undetermined, most important first.
+
+    A computed answer replaces the general one to the same question.
 
     Args:
         ties: an added effect and the name of another that explains as much.
@@ -41,24 +44,28 @@ def what_to_record(
         unexplained: quantities the residual still depends on, with the fractions they explain.
         law: the final estimates by name.
         held_out: whether a log was kept from fit and choice.
+        computed: see `computed_proposals`.
     """
-    found = [
-        f"To distinguish {title(effect.name)} from {title(other)}: {effect.separating_motion}."
+    found: dict[tuple[str, ...], str] = {
+        (effect.name, other): f"To distinguish {title(effect.name)} from {title(other)}: "
+        f"{effect.separating_motion}."
         for effect, other in ties
-    ]
-    found += [
-        f"To know which form of {title(own.name)} acts, '{own.form}' or '{other.form}', "
-        f"which explain as much: {own.separating_motion}."
-        for own, other in forms
-    ]
+    }
+    for own, other in forms:
+        found[own.name, own.form, other.form] = (
+            f"To know which form of {title(own.name)} acts, '{own.form}' or '{other.form}', "
+            f"which explain as much: {own.separating_motion}."
+        )
     for variable, _ in unexplained:
         motion = _SHOWN_BY.get(variable, "this joint alone with the others held, then the others")
-        found.append(f"To find what depends on {quantity(variable)}: {motion}.")
+        found[(variable,)] = f"To find what depends on {quantity(variable)}: {motion}."
     for motion, names in loose_parameters(law):
-        found.append(f"To determine {meanings(names)}: {motion}.")
+        found[names] = f"To determine {meanings(names)}: {motion}."
     if not held_out:
-        found.append("To know the error on unseen data: one more log, given with --held-out.")
-    return tuple(dict.fromkeys(found))
+        found[("held-out",)] = (
+            "To know the error on unseen data: one more log, given with --held-out."
+        )
+    return tuple(dict.fromkeys({**found, **computed}.values()))
 
 
 def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, ...]]]:

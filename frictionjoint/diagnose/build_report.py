@@ -64,13 +64,11 @@ def build_report(
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     torque = [parts.torque_rms(moving, kept_back, f, final.scale) for f in (base, final)]
     estimates = law_estimates(final, cov, body.slide)
-    proposals = what_to_record(
-        parts.ties(found), parts.forms(found), found.unexplained, estimates, bool(logs.held_out)
-    )
+    computed: dict[tuple[str, ...], str] = {}
     if scaled:  # otherwise the torque that a motion needs is unknown
         planner = Planner(moving, final, body)
         computed = computed_proposals(planner, parts.rivals(found), cov, estimates)
-        proposals = (*proposals, *computed)
+    open_questions = parts.ties(found), parts.forms(found), found.unexplained, estimates
     return Report(
         joint=body.joint,
         slide=body.slide,
@@ -105,7 +103,7 @@ def build_report(
             **dict(found.other_laws.errors),
         },
         thresholds={"gain": SMALLEST_GAIN, "p_value": SIGNIFICANCE},
-        proposals=proposals,
+        proposals=what_to_record(*open_questions, bool(logs.held_out), computed),
         notes=(
             *((DIVERGES,) if diverges else ()),
             *logs.notes,

@@ -233,8 +233,8 @@ def computed_proposals(
     ties: Sequence[tuple[int, Term]],
     cov: Array,
     law: Mapping[str, Estimate],
-) -> tuple[str, ...]:
-    """One sentence per tie, and per group of poorly determined parameters.
+) -> dict[tuple[str, ...], str]:
+    """One sentence per tie, and per group of poorly determined parameters, by their names.
 
     Args:
         ties: the index of a term of the fit, and an effect that the logs do not distinguish from
@@ -242,15 +242,18 @@ def computed_proposals(
         cov: of all parameters of the fit. law: estimates of its parameters.
     """
     if planner.at_rest:
-        return ("In these logs the joint moves no more than its position is noisy: record motion.",)
-    # the first of several terms of one name is the nearest
-    rivals: dict[tuple[int, str], Term] = {}
+        return {
+            ("at rest",): "In these logs the joint moves no more than its position is noisy: "
+            "record motion."
+        }
+    found: dict[tuple[str, ...], str] = {}
     for i, other in ties:
-        rivals.setdefault((i, other.name), other)
-    sentences = [to_distinguish(planner, i, other) for (i, _), other in rivals.items()]
-    loose = loose_parameters(law)
-    sentences += [to_sharpen(planner, cov, names, law) for _, names in loose]
-    return tuple(dict.fromkeys(text for text in sentences if text))
+        pair = planner.fitted.terms[i].name, other.name
+        if pair not in found:  # the first of several terms of one name is the nearest
+            found[pair] = to_distinguish(planner, i, other) or ""
+    for _, names in loose_parameters(law):
+        found[names] = to_sharpen(planner, cov, names, law)
+    return {names: text for names, text in found.items() if text}
 
 
 def to_distinguish(planner: Planner, i: int, other: Term) -> str | None:
@@ -291,8 +294,8 @@ def to_sharpen(
         unit = "" if x.unit == "1" else f" {x.unit}"
         errors.append(f"{meanings([name])} from {was} to {x.stderr:.2g}{unit}")
     return (
-        f"Computed: {described(found.motion, planner)} would reduce the standard error of "
-        f"{', '.join(errors)}."
+        f"To reduce the standard error of {', '.join(errors)} (computed): "
+        f"{described(found.motion, planner)}."
     )
 
 
