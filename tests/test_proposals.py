@@ -75,6 +75,7 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
     text = to_distinguish(planner, i, other)
     assert re.search(r"joint 'joint', .* rad, up to .* rad/s, with a further payload", text)
     assert f"for {proposal.motion.duration:.0f} s" in text
+    assert "4% of the effect are needed" in text
 
     more = 1.0 + proposal.motion.payload
     loaded = replace(spec, mass=more * spec.mass, inertia=more * spec.inertia)
@@ -87,6 +88,9 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
     again = trace(logs, law="integrated")
     assert again.findings[0].term.name == "inertia-error"
     assert again.findings[0].ties == ()
+    # logs that distinguish two effects need no further recording
+    (gain,) = (x for x in (step.term, other) if x.name == "torque-gain")
+    assert to_distinguish(Planner(again.prepared, again.final, body), 0, gain) is None
 
 
 COUNT = 1e-3

@@ -40,6 +40,8 @@ from frictionjoint.identify.sensitivity import driven, sensitivities
 from frictionjoint.identify.terms import Term
 from frictionjoint.parameter_meanings import meanings
 
+_DEVIATIONS, _SHARE = 3.0, 0.04
+
 
 @dataclass(frozen=True)
 class Proposal:
@@ -57,9 +59,8 @@ class Proposal:
 
     @property
     def part(self) -> float:
-        """Part of what resolves the tie, whichever effect is true: three standard deviations, and
-        4% of an effect, which no refit makes up for."""
-        return min(min(x.deviations / 3.0, x.share / 0.04) for x in self.expected)
+        """Part of what resolves the tie, see `_part`."""
+        return _part(self.expected)
 
     @property
     def distinguishes(self) -> bool:
@@ -204,6 +205,12 @@ class Planner:
         return self._tried[limits]
 
 
+def _part(both: tuple[Separation, Separation]) -> float:
+    """Part of what distinguishes two effects, whichever is true: three standard deviations, and 4%
+    of an effect, which no refit makes up for."""
+    return min(min(x.deviations / _DEVIATIONS, x.share / _SHARE) for x in both)
+
+
 def _durations(motion: Motion) -> list[float]:
     """Durations to try, s: at least one whole motion, if the time suffices."""
     tried = [x for x in DURATIONS if motion.once <= x <= motion.duration]
@@ -259,11 +266,12 @@ def computed_proposals(
 def to_distinguish(planner: Planner, i: int, other: Term) -> str | None:
     """What to record to distinguish term i of the fit from another effect, in one sentence.
 
-    None if the other effect contains this one as a special case: no recording can rule that out.
+    None if these logs distinguish them already, or if the other effect contains this one as a
+    special case: no recording can rule that out.
     """
     term = planner.fitted.terms[i]
     found = planner.distinguishing(i, other)
-    if found is not None and found.nested:
+    if found is not None and (found.nested or _part(found.now) >= 1.0):
         return None
     names = f"{title(term.name)} from {title(other.name)}"
     if found is None or not found.distinguishes:
@@ -274,8 +282,10 @@ def to_distinguish(planner: Planner, i: int, other: Term) -> str | None:
             f"{said}. What would: {'; or '.join(dict.fromkeys(words))}."
         )
     return (
-        f"Computed, to distinguish {names}: {described(found.motion, planner)}. The two should "
-        f"then differ by {_strength(found.expected)}; in these logs by {_strength(found.now)}."
+        f"To distinguish {names}: {described(found.motion, planner)}. The two should then differ "
+        f"by {_strength(found.expected)}; in these logs by {_strength(found.now)}. "
+        f"{_DEVIATIONS:.0f} standard deviations and {_SHARE:.0%} of the effect are needed: a "
+        "smaller part of an effect can be an error of the law."
     )
 
 
