@@ -280,19 +280,16 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
 
     base, acted = needed(None)
     q, velocity, acceleration = recording.motion[known.joint]
-    law = friction_torque(own.parameters, recording.time, q)
-    ahead, sticks = velocity, _from_reversal(q) <= presliding_distance(own.parameters, 0.99)
-    if known.constraint:
-        ahead = velocity + known.constraint.lead * acceleration
-        sticks = np.abs(ahead) < known.constraint.V0
+    lead, V0 = known.constraint or (0.0, 0.0)
 
     def torque_of(law: Friction) -> Array:
         if known.constraint:
             return known.constraint.torque(law, velocity, acceleration)
         return friction_torque(law, recording.time, q)
 
-    base += recording.filter(torque_of(own.parameters) - law)
     law = torque_of(own.parameters)
+    if known.constraint:
+        base += recording.filter(law - friction_torque(own.parameters, recording.time, q))
     columns = []
     for number, value in zip(numbers, known.values, strict=True):
         by = 0.02 * value
@@ -314,7 +311,10 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
     kept = np.flatnonzero(recording.known[known.joint])[::every]
     # in presliding, or slower than the encoder resolves, the position hardly determines the torque
     # and the error of the law is largest; the filter of the motion spreads this error
-    sticks |= np.abs(ahead) < part.resolution * 2.0 * np.pi * part.corner
+    fastest = 2.0 * np.pi * part.corner
+    slowest = V0 + part.resolution * fastest * (1.0 + lead * fastest)
+    sticks = np.abs(velocity + lead * acceleration) < slowest
+    sticks |= _from_reversal(q) <= presliding_distance(own.parameters, 0.99)
     fraction = np.clip(recording.filter(sticks.astype(np.float64)), 0.0, 1.0)
     block = (recording.time[kept] / part.block).astype(int)
     J, residual = np.column_stack(columns)[kept], (base - acted)[kept]
