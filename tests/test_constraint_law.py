@@ -66,8 +66,7 @@ def test_an_unchanged_joint_of_a_simulation_has_not_changed(solref, tmp_path):
     rows = {row["number"]: row["mean"] for row in report.recordings}
     new = {x.number: x for x in drift(known_of(tmp_path), logs[3:])}
     for number, size in (("Fc", LOSS), ("sigma2", DAMPING)):
-        assert rows[number] == pytest.approx(size, rel=0.02)
-        assert new[number].now == pytest.approx(size, rel=0.02)
+        assert (rows[number], new[number].now) == pytest.approx((size, size), rel=0.02)
         assert new[number].state == "confirmed"
 
 
