@@ -134,30 +134,39 @@ def estimate(known: Known, log: JointLog) -> Estimates:
     sizes = np.maximum(PRIOR_SIZE * np.abs(known.values), PRIOR_ERRORS * known.stderr)
     # the last parameter is a time offset of less than a sample between drive and position
     prior = np.append(sizes, np.median(np.diff(log.time)))
-    step: Array = np.zeros(len(prior))
-    influence: Array = np.zeros((sum(part.blocks for part in parts), len(prior)))
+    trials = []
     for variance, signs, weight in _EXTRAPOLATED:
         for sign in signs:
             added = sign * np.sqrt(variance)
-            balances = [_linear(known, part, added, numbers) for part in parts]
-            if sum(len(x.residual) for x in balances) < 10 * len(numbers):
-                raise LogError(f"{log.name}: too little motion with a known drive to compare")
-            one = _solve(balances, prior)
-            step += weight / len(signs) * one.step
-            influence += weight / len(signs) * one.influence
-            if variance == 0.0:
-                measured, independent = balances, one.independent
-    m = int(np.sum(np.any(influence != 0.0, axis=1)))
-    dof = float(max(1, m - len(numbers)))
-    independent = independent[:-1]
+            trials.append((weight / len(signs), [_linear(known, x, added, numbers) for x in parts]))
+    measured = trials[0][1]
+    if sum(len(x.residual) for x in measured) < 10 * len(numbers):
+        raise LogError(f"{log.name}: too little motion with a known drive to compare")
+    stribeck = np.array([x.name[:2] in ("Fs", "Vs") for x in numbers])
+    held = np.zeros(len(numbers), dtype=bool)
+    while True:
+        prior[:-1][held] = sizes[held] = 1e-9 * np.abs(known.values[held])
+        steps = [(weight, _solve(balances, prior)) for weight, balances in trials]
+        value = known.values + np.sum([weight * x.step for weight, x in steps], axis=0)[:-1]
+        influence = np.sum([weight * x.influence for weight, x in steps], axis=0)
+        m = int(np.sum(np.any(influence != 0.0, axis=1)))
+        dof = float(max(1, m - len(numbers)))
+        stderr = np.sqrt(np.sum(influence[:, :-1] ** 2, axis=0) * m / dof) * ~held
+        # a negative Fs - Fc or Vs stems from the error of the law at low speed and would bias the
+        # others, so it is held at its known value
+        impossible = stribeck & (value < -2.0 * stderr)
+        if not impossible.any():
+            break
+        held = held | impossible
+    independent = steps[0][1].independent[:-1]
     v = np.concatenate([x.velocity for x in measured])
     speed = float(np.mean(np.abs(v)))
     temperature = np.nan if log.temperature is None else float(np.mean(log.temperature))
     return Estimates(
         log=log.name,
         numbers=tuple(numbers),
-        value=known.values + step[:-1],
-        stderr=np.sqrt(np.sum(influence[:, :-1] ** 2, axis=0) * m / dof),
+        value=value,
+        stderr=stderr,
         independent=independent,
         dof=dof,
         # as for independent samples, an upper limit of the information in the recording
