@@ -10,7 +10,6 @@ from frictionjoint.control import Controller
 from frictionjoint.control.kernel_numbers import block_of
 from frictionjoint.decisions import LEAST_MOVED_OF_DRIVE
 from frictionjoint.diagnose.drive import look_at_drive
-from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
 from frictionjoint.effects import drive_limit
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.fit import without_scale
@@ -19,7 +18,6 @@ from frictionjoint.identify.result import law_estimates, scale_note, units_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.closed_loop import closed_loop, courses_of, found_controller
@@ -63,21 +61,6 @@ def test_what_the_firmware_does_is_named_and_measured(hidden, name, number, valu
     courses = courses_of(made, [body] * len(made), KNOWN)
     before, after = (closed_loop(courses, f).mae for f in (base, score.fit))
     assert after < 0.6 * before
-
-
-def test_a_dead_band_shows_beside_a_law_that_has_not_bent_for_want_of_it():
-    made = logs({"deadband": 0.05}, friction='frictionloss="0.12" damping="0.05"')
-    prepared = prepare(made, RigidBody(PLANT.format(""), "j"), controller=KNOWN)
-    rng = np.random.default_rng(0)
-    bent = fit(prepared, (EMF_TERM,))
-    found = look_at_hidden_drive(prepared, bent, rng)
-    assert found is not None
-    term, score = found.tried[0]
-    assert term.name == "deadband"
-    assert term.shape[0] == pytest.approx(0.05, rel=0.02)
-    assert score.fit.drive_rms < 0.5 * bent.drive_rms
-    named = refit(prepared, score.fit.effects, score.fit.shape, ROUGH)
-    assert look_at_hidden_drive(prepared, named, rng) is None
 
 
 def test_a_drive_as_its_file_says_asks_for_nothing():

@@ -1,19 +1,16 @@
 """What a controller does has forms that some logs do not tell apart, and joints resemble it."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.candidate import without_columns
-from frictionjoint.diagnose.drive_instead import exchange_for_drive
 from frictionjoint.diagnose.exchange import exchange_drive
 from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.state import State
-from frictionjoint.effects import back_emf, duty_drop, measurement_delay
+from frictionjoint.effects import back_emf, duty_drop
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
@@ -55,19 +52,3 @@ def test_of_forms_that_leave_the_same_the_first_is_taken_and_the_other_said():
     # the other one does not come back, and is told
     assert not exchange_drive(state, rng)
     assert state.findings[1].forms == (duty_drop.OF_OUTPUT,)
-
-
-def test_a_late_target_is_not_called_a_late_encoder():
-    """As a search has it that met the delay before it knew what hid the controller's."""
-    prepared = prepared_at_one_gain({"delay": 0.035})
-    state = state_with(
-        prepared, EffectTerm(back_emf.EFFECT), EffectTerm(measurement_delay.EFFECT, (0.03,))
-    )
-    assert exchange_for_drive(state, np.random.default_rng(0))
-    assert [t.name for t in state.fit.effects] == ["back-emf", "command-delay"]
-    finding = state.findings[1]
-    assert finding.term.shape == pytest.approx((0.035,), abs=0.003)
-    assert finding.row.candidate.term == finding.term
-    # what is there is not exchanged, nor what no controller does
-    again = replace(state, findings=list(state.findings))
-    assert not exchange_for_drive(again, np.random.default_rng(0))

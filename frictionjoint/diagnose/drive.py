@@ -5,7 +5,7 @@ to the parameter, so no linear column predicts the residual. There are few such 
 fitted from all of its starting values on thinned logs, and the best few on all samples.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -58,6 +58,8 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     """Try every effect of the drive on a fit; None if the drive is measured, or there is none to
     try.
 
+    The leading ones are fitted to all samples and scored.
+
     Args:
         prepared: the logs of the fit. rng: for sign flips and halves.
     """
@@ -67,32 +69,14 @@ def look_at_drive(prepared: Prepared, fitted: Fit, rng: np.random.Generator) -> 
     coarse = prepared.thinned(COARSE)
     start = refit(coarse, fitted.effects, fitted.shape, ROUGH, _STEPS)
     forms = _best_of_each_form(coarse, start, start.effects, terms)
-
-    def added(term: EffectTerm) -> Fit:
-        return refit(prepared, (*fitted.effects, term), fitted.shape, ROUGH, COMPARING_STEPS)
-
-    return judged(prepared, fitted, forms, added, rng)
-
-
-def judged(
-    prepared: Prepared,
-    fitted: Fit,
-    forms: Sequence[Ranked],
-    added: Callable[[EffectTerm], Fit],
-    rng: np.random.Generator,
-) -> Driven | None:
-    """The leading effects of the drive, fitted to all samples and scored.
-
-    Args:
-        forms: of each effect, best first. added: fits the model with one of them.
-    """
     names = [term.name for _, term in forms]
     order = [pair for k, pair in enumerate(forms) if names[k] not in names[:k]]
     blocks = make_blocks(prepared, fitted)
     now = scored(fitted, blocks)
     tried = []
     for _, term in order[:_LEADERS]:
-        found = added(term)
+        own = (*fitted.effects, term)
+        found = refit(prepared, own, fitted.shape, ROUGH, COMPARING_STEPS)
         moved = found.effects[-1]
         assert isinstance(moved, EffectTerm)
         if found.acting >= LEAST_ACTING:

@@ -21,9 +21,7 @@ from frictionjoint.decisions import (
 )
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, promises, rivals_of
-from frictionjoint.diagnose.drive import Driven, look_at_drive, part_left
-from frictionjoint.diagnose.drive_instead import exchange_for_drive
-from frictionjoint.diagnose.drive_unbent import look_at_hidden_drive
+from frictionjoint.diagnose.drive import look_at_drive, part_left
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, exchange_drive, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
@@ -104,11 +102,7 @@ def trace(
             # what another law would explain in part may be an effect after all
             state.law_errs = False
             first = [] if state.fit.effects else _first(state)
-            changed = (
-                _taken(state, first, rng)
-                or _taken(state, state.candidates, rng)
-                or _of_drive(state, rng, look_at_hidden_drive)
-            )
+            changed = _taken(state, first, rng) or _taken(state, state.candidates, rng)
         if not changed or (_names(state) != before and _names(state) in known):
             break  # effects that come back would do so without end
         known.add(_names(state))
@@ -121,7 +115,7 @@ def _names(state: State) -> tuple[str, ...]:
 
 def _exchanged(state: State, rng: np.random.Generator) -> bool:
     """Whether an effect took another one's place; effects that it makes redundant are dropped."""
-    if exchange_drive(state, rng) or exchange_for_drive(state, rng):
+    if exchange_drive(state, rng):
         drop_idle(state)
         return True
     return False
@@ -177,11 +171,9 @@ def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Gener
     return taken
 
 
-def _of_drive(
-    state: State, rng: np.random.Generator, seen: Callable[..., Driven | None] = look_at_drive
-) -> list[str]:
+def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     """The best effect of the drive, if one is justified."""
-    found = seen(state.prepared, state.fit, rng)
+    found = look_at_drive(state.prepared, state.fit, rng)
     if found is None or not found.tried:
         return []
     term, score = found.tried[0]
