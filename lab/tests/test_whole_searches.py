@@ -192,7 +192,7 @@ def test_a_limit_that_the_model_lacks_is_an_end_stop_and_no_drive_that_saturates
     report = close_loop([fit], at_limit.MODEL.format(""), "j", [kept])
     # MuJoCo's limit brakes as well: more may be named beside it, and it begins to act a bit early
     assert report.added[0].effect == "end-stop"
-    assert report.added[0].parameters["position"].value == pytest.approx(0.4, abs=0.02)
+    assert report.added[0].parameters["upper"].value == pytest.approx(0.4, abs=0.02)
     assert not [note for note in report.notes if "saturates" in note]
 
 
