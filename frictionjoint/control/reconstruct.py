@@ -18,7 +18,7 @@ from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.mean_drive import fill_mean_drives
 from frictionjoint.control.profile import followed
 from frictionjoint.errors import LogError
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.log import DRIVES, JointLog
 
 # rad (m): change of a position for its effect on the drive, if there are no counts; rad/s (m/s):
 # change of a velocity
@@ -207,10 +207,9 @@ def check_drive(log: JointLog, controller: Controller) -> tuple[str, ...]:
     """
     apart = difference(log, controller)
     if apart is None:
-        kinds = ("torque", "voltage", "current")
-        measured = [kind for kind in kinds if getattr(log, kind) is not None]
-        said = "is measured: the drive is not computed from the controller."
-        return tuple(f"{log.name}: the {kind} {said}" for kind in measured[:1])
+        kind = next((kind for kind in DRIVES if getattr(log, kind) is not None), None)
+        said = f"{log.name}: the {kind} is measured: the drive is not computed from the controller."
+        return (said,) if kind else ()
     # a controller whose median difference from a measured drive is above 5% is wrong
     if apart > 0.05:
         raise LogError(

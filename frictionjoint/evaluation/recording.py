@@ -15,11 +15,9 @@ from frictionjoint.measured.derivatives import (
     uniform,
     uniform_motion,
 )
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.log import DRIVES, JointLog
 from frictionjoint.measured.lowpass import REACH, LowPass, steep
 from frictionjoint.measured.repairs import silent_runs
-
-_KINDS = ("torque", "voltage", "current")
 
 
 @dataclass(frozen=True)
@@ -108,7 +106,7 @@ class Recording:
 
 
 def _kind(log: JointLog) -> str:
-    for kind in _KINDS:
+    for kind in DRIVES:
         if getattr(log, kind) is not None:
             return kind
     raise LogError(f"{log.name}: no torque, voltage or current, add one of them")

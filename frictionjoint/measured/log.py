@@ -17,6 +17,8 @@ FEWEST_ROWS = 50
 LARGEST_GAP = 10.0
 # A larger fraction leaves too little motion to fit.
 MOST_HELD_OUT = 0.8
+# quantities that a log may state its drive in
+DRIVES = ("torque", "voltage", "current")
 # fields of a log with arrays by name
 _BY_NAME = ("other_positions", "other_velocities", "signals")
 
@@ -97,9 +99,8 @@ class JointLog:
 
     def columns(self) -> dict[str, Array]:
         """The existing arrays of this joint, by field name."""
-        drives = ("torque", "voltage", "current")
         more = ("temperature", "target", "supply", "motor_position", "torque_enabled")
-        names = ("time", "position", "velocity", *drives, *more)
+        names = ("time", "position", "velocity", *DRIVES, *more)
         found = {name: getattr(self, name) for name in names}
         return {name: x for name, x in found.items() if x is not None}
 

@@ -37,7 +37,7 @@ from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.measured.derivatives import motion_band, on_a_grid, position_noise
 from frictionjoint.measured.gaps import split_at_gaps
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.log import DRIVES, JointLog
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.parameters import Friction
@@ -199,7 +199,7 @@ class _Part:
 
     @classmethod
     def of(cls, known: Known, log: JointLog) -> "_Part":
-        if all(getattr(log, kind) is None for kind in ("torque", "voltage", "current")):
+        if all(getattr(log, kind) is None for kind in DRIVES):
             raise LogError(
                 f"{log.name}: no measured drive, and no controller whose kp and supply are known: "
                 "recordings are compared by it."
