@@ -178,7 +178,7 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     for i, term in enumerate(fitted.terms):
         # of a term one on its bound acts too, and may leave it where a fold is missing
         free[layout.coefficients(i)] = True
-        # where a torque leaps, its derivative by a shape number predicts no other value of it
+        # the derivative of a discontinuous torque by a shape number predicts no change of it
         if term.effect.leaps:
             free[layout.numbers(i)] = False
     own = [

@@ -46,7 +46,8 @@ def slowed(prepared: Prepared, found: Fit, forms: Sequence[Shape]) -> tuple[Prep
     """The logs and a fit without the usual bound of the Stribeck velocity.
 
     Returns:
-        None unless the fit is at that bound and half of the squares are left beyond it.
+        None unless the fitted Stribeck velocity is at that bound, and at most half of the sum of
+        squares remains without the bound.
     """
     shape = found.shape
     if prepared.slow or "log Vs" not in shape.variables:

@@ -318,8 +318,8 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
     columns.append(-np.gradient(acted, recording.step))
     every = max(1, int(1.0 / (A_BALANCE * recording.smooth.corner_hz * recording.step)))
     kept = np.flatnonzero(recording.known[known.joint])[::every]
-    # in presliding, or slower than the encoder resolves, the position hardly determines the torque
-    # and the error of the law is largest; the filter of the motion spreads this error
+    # in presliding, and at velocities that the encoder does not resolve, the position hardly
+    # determines the torque and the law's error is largest; the filter of the motion spreads it
     fastest = 2.0 * np.pi * part.corner
     slowest = V0 + part.resolution * fastest * (1.0 + lead * fastest)
     sticks = np.abs(velocity + lead * acceleration) < slowest
