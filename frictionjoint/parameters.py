@@ -223,9 +223,12 @@ class FrictionParameters(StribeckFriction):
 
     @property
     def stiffness(self) -> float:
-        """Presliding stiffness at a reversal, N m/rad: the first slope of Fd."""
-        z, F = self.knots[0]
-        return F / z
+        """Presliding stiffness at a reversal, N m/rad: the slope of Fd at 1% of its last torque.
+
+        A fit may assume a steep beginning below that, so that the joint comes to rest.
+        """
+        least = 0.01 * self.knots[-1][1]
+        return next(slope for _, F, slope in _segments(self.knots) if least <= F)
 
     def pack(self) -> NDArray[np.float64]:
         """The block ``law.integrated`` reads, the number of the law in front."""

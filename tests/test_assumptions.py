@@ -13,9 +13,9 @@ from frictionjoint.effects.load_dependent import EFFECT as LOAD_DEPENDENT
 from frictionjoint.identify.assumptions import (
     shortest,
     with_assumed_breakaway,
-    with_assumed_damping,
     with_assumed_level,
     with_assumed_stiffness,
+    with_steep_start,
 )
 from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.intervals import stated_covariance
@@ -134,15 +134,18 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
     )
 
 
-def test_a_joint_with_a_soft_stiffness_comes_to_rest_under_load_by_an_assumed_damping():
-    prepared, undamped = fitted(300.0, noise=0.1)
-    found = with_assumed_damping(prepared, undamped)
-    assert found.drive_rms <= undamped.drive_rms / 0.99
-    damping = law_estimates(found, stated_covariance(prepared, found), False)["sigma1"]
-    assert damping.stderr is None
+@pytest.mark.parametrize("stiffness", [20.0, 300.0])
+def test_a_soft_joint_comes_to_rest_under_load_by_an_assumed_steep_start(
+    stiffness,
+):
+    prepared, ringing = fitted(stiffness, noise=0.1)
+    found = with_steep_start(prepared, ringing)
+    assert found.drive_rms <= ringing.drive_rms / 0.99
+    before, after = (law_parameters(f).stiffness for f in (ringing, found))
+    assert after == pytest.approx(before, rel=0.02)
     (said,) = assumed_note(prepared, found)
-    assert "damping is assumed" in said
-    assert moves_at_rest(undamped) > 1e-7
+    assert "beginning of the presliding curve is assumed" in said
+    assert moves_at_rest(ringing) > 1e-7
     assert moves_at_rest(found) < 1e-9
 
 

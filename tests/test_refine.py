@@ -8,12 +8,11 @@ from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
-from frictionjoint.refine.refine import refine, with_free_damping
+from frictionjoint.refine.refine import refine
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import closed_loop, courses_of
 
@@ -52,18 +51,6 @@ def test_the_refined_model_moves_nearer_on_another_gain(case):
     assert found.taken
     assert found.guard[1] < found.guard[0]
     assert closed_loop(other, found.fit).mae < 0.8 * closed_loop(other, fitted).mae
-
-
-def test_a_damping_that_the_torque_left_open_is_found_by_the_motion():
-    body = RigidBody(PLANT.format(""), "j")
-    prepared = prepare(fitted_logs(), body, controller=KNOWN)
-    shape = replace(INTEGRATED[0], Vs=0.1, length=0.002, damping=0.02)
-    assumed = refit(prepared, TERMS, shape, ROUGH)
-    freed, begin = with_free_damping(prepared, assumed)
-    assert "sigma1" in freed.names
-    assert law_parameters(begin).sigma1 == pytest.approx(law_parameters(assumed).sigma1)
-    known = refit(prepared, TERMS, replace(shape, damping=0.0), ROUGH)
-    assert with_free_damping(prepared, known)[0] is known
 
 
 def test_what_is_hidden_is_found_again(case):

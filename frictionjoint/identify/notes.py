@@ -69,10 +69,10 @@ def assumed_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
             "The presliding stiffness is assumed: these logs do not determine it. It is as high as "
             "the encoder's resolution and the time step allow, so that the joint sticks."
         )
-    if shape.damping:
+    if shape.steep_start:
         found.append(
-            "The presliding damping is assumed: these logs do not determine it, and without any "
-            "the joint would ring at rest. It is critical, or as much as the logs allow."
+            "The beginning of the presliding curve is assumed, so that the joint comes to rest: "
+            "these logs hardly damp it there. It is steep up to 0.5% of breakaway friction."
         )
     if shape.breakaway_assumed:
         law = law_parameters(fitted).to_dict()

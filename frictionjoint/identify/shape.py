@@ -47,9 +47,10 @@ class Shape(Protocol):
         """Whether Fs is assumed, see `assumptions.with_assumed_breakaway`."""
 
     @property
-    def damping(self) -> float:
-        """sigma1 over Fc that is assumed, s/rad, see `assumptions.with_assumed_damping`."""
-        return 0.0
+    def steep_start(self) -> bool:
+        """Whether a steep beginning of the transition curve is assumed, see
+        `assumptions.with_steep_start`."""
+        return False
 
     def with_assumed_stiffness(self, reach: float) -> Self:
         """This shape with an assumed stiffness that is not searched; itself if it is searched.
@@ -103,6 +104,9 @@ _NEGATIVE = ("excess" + OF_NEGATIVE, "log Vs" + OF_NEGATIVE)
 
 # Torque of the transition curve's knots over its reach: three segments, as in the paper.
 _TORQUES = (0.5, 0.8, 1.0)
+# The assumed steep beginning: torque of its knot over the curve's reach, and slope over that of the
+# segment after it. `FrictionParameters.stiffness` is the slope beyond it.
+_STEEP_TORQUE, _STEEPER = 0.0025, 1000.0
 
 
 # of a presliding length at the start of a search: what seems soft may be the filter's or the law's
@@ -154,7 +158,7 @@ class IntegratedShape(Shape):
             in (0, 1]; (1, 1) is a straight transition curve.
         form: what a search cannot vary smoothly.
         negative: excess and Vs of negative motion; None: as of positive motion.
-        damped, stiffness_assumed, breakaway_assumed, damping: see `Shape`.
+        damped, stiffness_assumed, breakaway_assumed, steep_start: see `Shape`.
     """
 
     excess: float
@@ -167,7 +171,7 @@ class IntegratedShape(Shape):
     damped: bool = False
     stiffness_assumed: bool = False
     breakaway_assumed: bool = False
-    damping: float = 0.0
+    steep_start: bool = False
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -274,7 +278,6 @@ class IntegratedShape(Shape):
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""
-        sigma1 += Fc * self.damping
         excess, Vs = self.negative or (self.excess, self.Vs)
         Fs_pos, Fs_neg = Fc * (1.0 + self.excess), Fc * (1.0 + excess)
         return FrictionParameters(
@@ -297,26 +300,25 @@ class IntegratedShape(Shape):
 
     def _knots(self, both: float) -> Knots:
         """Transition curve that reaches Fs of both directions."""
-        ends = self.length * np.cumsum(_parts(self.bend))
-        return tuple(zip(ends.tolist(), [both * F for F in _TORQUES], strict=True))
+        ends, parts = self.length * np.cumsum(_parts(self.bend)), np.array(_TORQUES)
+        if self.steep_start:
+            # the rest of the curve keeps its form, so that it stays concave
+            z = self.length * _STEEP_TORQUE / (_TORQUES[0] * _STEEPER)
+            ends = z + np.append(0.0, ends)
+            parts = _STEEP_TORQUE + (1.0 - _STEEP_TORQUE) * np.append(0.0, parts)
+        return tuple(zip(ends.tolist(), (both * parts).tolist(), strict=True))
 
     def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
         """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_integrated(unit_block(self), time, q, edges, H, rate)
-        if self.damping:
-            H += self.damping * rate * _speed(time, q, edges)
         return H, rate
 
     def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
-        """`hysteresis` and its derivatives, by the tangent of the kernel, with assumed damping."""
+        """`hysteresis` and its derivatives, by the tangent of the kernel."""
         P = unit_block(self)
         own = self._block_tangents(P)
-        H, rate, dH, drate = driven_with_tangents("integrated", P, own, time, q, edges)
-        if self.damping:
-            per_rate = self.damping * _speed(time, q, edges)
-            H, dH = H + per_rate * rate, dH + per_rate * drate
-        return H, rate, dH, drate
+        return driven_with_tangents("integrated", P, own, time, q, edges)
 
     def _block_tangents(self, P: Array) -> Array:
         """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
@@ -338,7 +340,7 @@ class IntegratedShape(Shape):
         # a bend stretches what lies beyond its knot, and with the end where it is shortens all
         parts = _parts(self.bend)
         for i, name in enumerate(_BOTH[4:]):
-            beyond = np.maximum(z - z[i], 0.0)
+            beyond = np.maximum(z - z[i + self.steep_start], 0.0)
             steeper = np.where(beyond > 0.0, K, 0.0)
             rows[name][own] = np.column_stack([-beyond, 0.0 * F, steeper]).ravel()
             if not self.stiffness_assumed:
@@ -350,14 +352,6 @@ def _parts(bend: tuple[float, float]) -> tuple[float, float, float]:
     """Lengths of the segments of a transition curve over that of its first."""
     (first, second), (a, b, c) = bend, _TORQUES
     return 1.0, (b - a) / a / first, (c - b) / a / (first * second)
-
-
-def _speed(time: Array, q: Array, edges: Index) -> Array:
-    """Mean velocity since the sample before, zero at the start of each motion, shape (n,)."""
-    v = np.zeros_like(q)
-    v[1:] = np.diff(q) / np.diff(time)
-    v[edges[:-1]] = 0.0
-    return v
 
 
 INTEGRATED = tuple(

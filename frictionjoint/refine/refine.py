@@ -10,7 +10,6 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.shape import IntegratedShape
 from frictionjoint.refine.guard import balanced_without_each, clearly_less, of_logs
 from frictionjoint.refine.tried import Tried, by_windows, tried
 from frictionjoint.refine.vector import Vector
@@ -73,27 +72,15 @@ def refine(
     Args:
         courses: the logs it was fitted to.
     """
-    freed, begin = with_free_damping(prepared, fitted)
-    cov = stated_covariance(prepared, freed)
-    begins = [begin, *without_stribeck(prepared, begin)]
+    cov = stated_covariance(prepared, fitted)
+    begins = [fitted, *without_stribeck(prepared, fitted)]
     armature = courses[0].run.load.armature
-    vectors = [Vector(prepared, freed, cov, armature, each) for each in begins]
+    vectors = [Vector(prepared, fitted, cov, armature, each) for each in begins]
     vector, x = by_windows(vectors, courses, progress)
     found = tried(vector, courses, [x], progress)
     progress("checking the refinement on logs left out")
     refined = judged(prepared, found, courses)
     return refined if refined.taken else replace(refined, fit=fitted)
-
-
-def with_free_damping(prepared: Prepared, fitted: Fit) -> tuple[Fit, Fit]:
-    """A fit whose assumed damping is a number to be found, and the same at the assumed value."""
-    shape = fitted.shape
-    if not isinstance(shape, IntegratedShape) or not shape.damping:
-        return fitted, fitted
-    freed = refit(prepared, fitted.effects, replace(shape, damping=0.0, damped=True), ROUGH)
-    beta = freed.beta.copy()
-    beta[freed.names.index("sigma1")] = shape.damping * fitted.levels[0] / freed.gain
-    return freed, replace(freed, beta=beta)
 
 
 def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
