@@ -130,6 +130,17 @@ def test_what_has_no_name_is_told_by_the_quantity_it_acts_through(tmp_path):
     named_by_its_quantity(tmp_path, gust, "time", "at 0.7 Hz")
 
 
+def test_an_effect_is_named_beside_a_larger_one_without_a_name(tmp_path):
+    gust = Effect("gust", {"amplitude": 0.4, "frequency": 0.7, "phase": 1.0})
+    motions = tuple(Motion("multisine", seed, 1.2, 3.0, 12.0) for seed in (3, 4, 5))
+    small = Effect("torque-bias", {"bias": 0.1})
+    found = traced(tmp_path, gust, small, motions=motions)
+    (step,) = found.findings
+    assert "torque-bias" in (step.term.name, *step.ties)
+    assert step.gain >= SMALLEST_GAIN
+    assert [variable for variable, _ in found.unexplained] == ["time"]
+
+
 def test_spring_and_gravity_over_a_small_range_are_a_tie(tmp_path):
     """Over 0.15 rad a sine is a straight line to a third of a per cent."""
     motions = (Motion("sines", 3, 0.15, 0.5, 12.0), Motion("multisine", 4, 0.12, 0.5, 12.0))

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from frictionjoint.decisions import APART
 from frictionjoint.diagnose.candidate import is_unnamed
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, is_small, needed, with_fewer
@@ -15,10 +16,11 @@ from frictionjoint.threads import side_by_side
 def drop_idle(state: State) -> None:
     """Remove, one after the other, effects whose removal does not worsen held-out prediction.
 
-    Curves adapt to the data and are no causes, so each effect is judged among causes alone; an
-    eccentric encoder is one, with no more numbers than other waves. Small losses do not accumulate:
-    if either of two effects can be removed but not both, one stays. Findings of what is no longer
-    in the model are forgotten.
+    Curves adapt to the data and are no causes, so each effect is judged among causes alone, or
+    next to the curves if it removes as much there as among causes alone: a curve may stand for
+    another effect, larger than this one. An eccentric encoder is a cause, with no more numbers than
+    other waves. Small losses do not accumulate: if either of two effects can be removed but not
+    both, one stays. Findings of what is no longer in the model are forgotten.
     """
     state.forget_dropped()
     first = tuple(filter(_is_cause, state.fit.effects))
@@ -27,15 +29,21 @@ def drop_idle(state: State) -> None:
         causes = tuple(filter(_is_cause, own))
         beside = [causes if _is_cause(t) else own for t in own]
         fewer = [all_but(terms, t) for terms, t in zip(beside, own, strict=True)]
-        models = [terms for terms in dict.fromkeys([first, *beside, *fewer]) if terms != own]
+        without = [all_but(own, t) for t in own]
+        models = dict.fromkeys([first, *beside, *fewer, *without])
         refitted = partial(with_fewer, state)
         with side_by_side() as each:
-            fits = dict(zip(models, each(refitted, models), strict=True)) | {own: state.fit}
+            others = [terms for terms in models if terms != own]
+            fits = dict(zip(others, each(refitted, others), strict=True)) | {own: state.fit}
         ways = [{m: scored(f, blocks) for m, f in fits.items()} for blocks in state.either_way]
         idle = []
-        for t, terms, rest in zip(own, beside, fewer, strict=True):
+        for t, terms, rest, bare in zip(own, beside, fewer, without, strict=True):
             whole = {terms, first} if _is_cause(t) else {terms}
             pairs = [(way[x], way[rest]) for x in whole for way in ways]
+            for way in ways:
+                removed = way[bare].total - way[own].total
+                if way[rest].total - way[terms].total >= APART * removed:
+                    pairs.append((way[own], way[bare]))
             if not any(needed(*p, t.effect.first) and not is_small(t, *p) for p in pairs):
                 idle.append((max(way[terms].gain(way[rest]) for way in ways), t))
         if not idle:

@@ -6,7 +6,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import CLEARLY
-from frictionjoint.diagnose.state import State, without
+from frictionjoint.diagnose.state import State
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
@@ -15,32 +15,6 @@ from frictionjoint.identify.weights import reweighed
 
 # mean square error of each run of logs simulated with a fit to them, rad^2 (m^2), or None
 Replayed = Callable[[Prepared, Fit], Array | None]
-
-
-def drop_what_moves_worse(state: State, replayed: Replayed) -> None:
-    """Remove, one after the other, effects that worsen the simulated motion.
-
-    An effect is removed if the mean square position error falls without it, if most runs agree (a
-    few runs that stick at another moment can dominate the mean), and if the position error falls by
-    a larger factor than the torque error rises.
-    """
-    while state.fit.effects:
-        now = replayed(state.prepared, state.fit)
-        if now is None:
-            return
-        least, best = now.sum() * state.fit.drive_rms**2, None
-        for term in state.fit.effects:
-            other = without(state, term)
-            errors = replayed(state.prepared, other)
-            if errors is None or not nearer(errors, now) or np.median(now - errors) <= 0.0:
-                continue
-            product = errors.sum() * other.drive_rms**2
-            if product < least:
-                least, best = product, other
-        if best is None:
-            return
-        state.prepared, state.fit = reweighed(state.prepared, best)
-        state.forget_dropped()
 
 
 def nearer(errors: Array, now: Array) -> bool:

@@ -67,6 +67,7 @@ class OtherLaws:
         self.shapes: dict[tuple[str, ...], Shape] = {own: base.shape}
         self._rivals = [forms for forms in (*_RIVALS, INTEGRATED) if self._is_rival(forms, own)]
         self._fits: list[Fit] = []
+        self._followed: Fit | None = None
         self._progress = progress
         self.ripen(prepared, base.effects)
         self._alone = dict(self.shapes)
@@ -78,6 +79,7 @@ class OtherLaws:
     def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
         """Fit the other laws together with some effects, from all starts."""
         self._progress("fit: other laws")
+        self._followed = None
 
         def ripest(forms: tuple[Shape, ...]) -> Shape:
             place = ripened(prepared, effects, forms)[0]
@@ -98,6 +100,10 @@ class OtherLaws:
         """
         return tuple(dict.fromkeys((shape, self._alone.get(shape.variables, shape))))
 
+    def followed(self, fitted: Fit) -> bool:
+        """Whether all laws are fitted with the effects of this model."""
+        return fitted is self._followed
+
     def follow(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         """Fit all laws with the effects of a model.
 
@@ -105,6 +111,7 @@ class OtherLaws:
             the model with another form of its law if that is clearly better, see `CONSTRAINT`.
         """
         self._fit_all(prepared, fitted)
+        self._followed = fitted
         forms = [f for f in self._fits[1:] if f.shape.variables in self._own]
         return better_form(prepared, fitted, forms)
 

@@ -7,7 +7,7 @@ from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.nearest import Replayed, drop_what_moves_worse, moving_nearest, nearer
+from frictionjoint.diagnose.nearest import Replayed, moving_nearest, nearer
 from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.sight import sight
@@ -57,6 +57,11 @@ def finish_search(
     # of several dependences one may be left without its share
     said = {name: x for name, x in unexplained.items() if x >= TIE * max(unexplained.values())}
     if unexplained:
+        state.unnamed = tuple(
+            state.fit.term_torque(i)[:, None]
+            for i, term in enumerate(state.fit.terms)
+            if isinstance(term, SmoothTerm)
+        )
         not_given = _without_unnamed(state, replayed)
         unit, _ = units_of(state.fit, state.prepared.slide)
         hints += [term.says(np.array([fraction]), unit) for term, fraction in not_given]
@@ -96,7 +101,6 @@ def _settled(
         drop_idle(state)
     if by_motion and moving_nearest(state, replayed):
         drop_idle(state)
-    drop_what_moves_worse(state, replayed)
     # with another law, or fewer effects, other forms and effects may explain as much now
     if best_forms(state):
         drop_idle(state)

@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+import numpy as np
+
+from frictionjoint.arrays import Array
 from frictionjoint.decisions import APART, LEAST_MOVED, LEAST_MOVED_OF_DRIVE, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.candidate import Candidate, is_unnamed
 from frictionjoint.diagnose.finding import Finding, finding_of
@@ -56,6 +59,9 @@ class State:
         law_errs: whether the score excludes the direction of possible errors of the law, see
             `OtherLaws.errors`. Effects found this way are no errors of the law; effects that
             another law could imitate are looked for afterwards.
+        unnamed: torque of dependences without a name that were removed from the model, N m, shape
+            (n, 1) each. The score excludes these directions, because what is known to be missing is
+            no evidence against the effects that are named.
     """
 
     prepared: Prepared
@@ -64,6 +70,7 @@ class State:
     look: Look
     laws: OtherLaws
     law_errs: bool = True
+    unnamed: tuple[Array, ...] = ()
     _known: _Model | None = field(default=None, repr=False)
 
     @property
@@ -80,7 +87,8 @@ class State:
         """Blocks of the present model, with and without the direction of possible errors of the
         law."""
         own = self._model.blocks
-        return replace(own, law_errors=self.laws.errors(self.fit)), own
+        both = (self.laws.errors(self.fit), *self._unnamed)
+        return replace(own, law_errors=np.hstack(both)), self._beside(own, ())
 
     @property
     def candidates(self) -> list[Candidate]:
@@ -97,8 +105,18 @@ class State:
         return compared(prepared, self.fit.terms, self.fit.shape)
 
     def _way(self, model: _Model) -> Blocks:
-        errors = self.laws.errors(model.fit) if self.law_errs else None
-        return replace(model.blocks, law_errors=errors)
+        errors = (self.laws.errors(model.fit),) if self.law_errs else ()
+        return self._beside(model.blocks, errors)
+
+    def _beside(self, blocks: Blocks, errors: tuple[Array, ...]) -> Blocks:
+        directions = (*errors, *self._unnamed)
+        return replace(blocks, law_errors=np.hstack(directions)) if directions else blocks
+
+    @property
+    def _unnamed(self) -> tuple[Array, ...]:
+        """`unnamed` where it belongs to the samples of the present logs."""
+        n = len(self.fit.residual)
+        return tuple(x for x in self.unnamed if len(x) == n)
 
     @property
     def _model(self) -> _Model:

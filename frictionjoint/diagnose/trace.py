@@ -38,15 +38,11 @@ from frictionjoint.diagnose.state import (
     is_small,
     numbers_of,
 )
-from frictionjoint.diagnose.unbent import bends, candidates_to_refit_jointly, unbent
 from frictionjoint.identify.base_fit import base_fit, slowed
-from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import CLOSE, ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.start import settled, swinging
-from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.parameters import FrictionParameters
@@ -225,10 +221,6 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
         tried = list(each(attempt, worth))
     tried = [t for t in tried if not any(is_small(c.term, t.score, now) for c in t.move.added)]
     choice = chosen(now, tried)
-    if not choice or choice.taken.move.unnamed:
-        # before the search ends or accepts an unnamed term: could a biased law mask an effect?
-        tried += _unbent(state, now, blocks)
-        choice = chosen(now, tried)
     if choice:
         now, tried = _looked_at_again(state, now, tried, choice.taken, rng)
         choice = chosen(now, tried)
@@ -253,16 +245,6 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
 
 def _size(fitted: Fit) -> int:
     return sum(map(numbers_of, fitted.effects))
-
-
-def _unbent(state: State, now: Scored, blocks: Blocks) -> list[Tried]:
-    """Effects whose absence may bias a law, fitted jointly with laws from all starts."""
-    prepared = state.prepared
-    found = []
-    for move, laws in candidates_to_refit_jointly(now, state.look, prepared, state.laws):
-        own, fitted = settled(prepared, unbent(prepared, move.terms, laws))
-        found.append(Tried(move, own, scored(fitted, blocks)))
-    return found
 
 
 def _compared(prepared: Prepared, current: Fit, move: Move) -> tuple[Prepared, Fit]:
@@ -311,8 +293,7 @@ def _more(after: Fit, before: Fit, move: Move) -> list[str]:
 def _looked_at_again(
     state: State, now: Scored, tried: Sequence[Tried], best: Tried, rng: np.random.Generator
 ) -> tuple[Scored, list[Tried]]:
-    """The leading changes, screened again with the weights of the best one and with an unbiased
-    law.
+    """The leading changes, screened again with the weights and the law of the best one.
 
     The missing effect may have biased the law, and with it the weights and the initial friction
     states. Then the residual depends on which change was tried first. An unnamed dependence that
@@ -321,16 +302,12 @@ def _looked_at_again(
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [best, *(t for t in tried if t is not best and t.score.gain(now) >= least)]
     prepared, first = reweighed(state.prepared, best.score.fit, ROUGH)
-    anew = fit(prepared, first.effects, forms_like(first.shape))
-    first = best_of([first, anew], lambda f: f.drive_rms)
+    # the weights of a biased law are far from those of the law that follows from them
     prepared, first = settled(*reweighed(prepared, first, ROUGH))
     blocks = state.blocks_of(prepared, first)
 
-    def begun(terms: tuple[Term, ...], anew: bool) -> tuple[Prepared, Scored]:
+    def begun(terms: tuple[Term, ...]) -> tuple[Prepared, Scored]:
         found = compared(prepared, terms, nearer(prepared, terms, (first.shape, state.fit.shape)))
-        if anew:
-            freed = unbent(prepared, terms, [forms_like(first.shape)])
-            found = best_of([found, freed], lambda f: f.drive_rms)
         swung = any(term.effect.free for term in terms)
         own, found = settled(prepared, found) if swung else (prepared, found)
         return own, scored(found, blocks)
@@ -340,12 +317,10 @@ def _looked_at_again(
     moves = [*(t.move for t in leaders), *instead]
     models = [state.fit.effects, *(t.score.fit.effects for t in leaders)]
     models += [m.terms for m in instead]
-    several, count = len(leaders) > 1, len(leaders)
-    bent = [several and all(bends(c.term) for c in t.move.added) for t in leaders]
     with side_by_side() as each:
-        freed = [False, *bent, *(False for _ in instead)]
-        (_, before), *changes = list(each(begun, models, freed))
+        (_, before), *changes = list(each(begun, models))
     again = [Tried(m, *change) for m, change in zip(moves, changes, strict=True)]
+    count = len(leaders)
     return before, [*again[:count], *unlike_a_curve(again[count:], again[0])]
 
 
@@ -357,6 +332,8 @@ def _follow(state: State) -> bool:
     Returns:
         whether another form is used.
     """
+    if state.laws.followed(state.fit):
+        return False
     if state.fit.effects and (
         slow := slowed(state.prepared, state.fit, forms_like(state.fit.shape))
     ):

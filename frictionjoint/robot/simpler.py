@@ -52,24 +52,28 @@ def simpler(
         tried, nearest = [], []
         for several in _sets(seen, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
+                # each of two causes is needed, so a simpler one of them is not enough
+                if len(gone) > 1:
+                    continue
                 # causes are nonlinear far from the nominal parameters
                 squares = _fitted(rest, several, single_effects).squares_left(single_effects)
             else:
                 squares = seen.held_out(several)
             total = float(squares.sum())
-            if as_much(seen.stack, squares, left):
+            enough = as_much(seen.stack, squares, left)
+            if enough and _possible(seen, several):
                 tried.append((_size(several), total, several))
-            elif len(several) > 1 and all(c.cause for c in several):
+            elif not enough and len(several) > 1 and all(c.cause for c in several):
                 nearest.append((total, several))
-        if not tried and nearest:
+        pair = None if tried else _nearest(seen, nearest)
+        if pair:
             # nor are two that change together: they count where bodies come back by them
-            _, several = min(nearest, key=lambda one: one[0])
-            after = _fitted(rest, several, single_effects)
+            after = _fitted(rest, pair, single_effects)
             squares = after.squares_left(single_effects)
             if nearer(after.found.deviation, found.deviation) and as_much(
                 seen.stack, squares, left
             ):
-                tried.append((_size(several), float(squares.sum()), several))
+                tried.append((_size(several), float(squares.sum()), pair))
         if tried:
             yield out, _choices(seen, _simplest(tried), choices[out[0]])
 
@@ -120,7 +124,7 @@ def _sets(seen: Screened, size: int) -> list[tuple[Candidate, ...]]:
     """Single causes and pairs with fewer numbers.
 
     A cause can be past its bounds alone, because it compensates for another cause, and within its
-    bounds together with that cause.
+    bounds together with that cause, see `_possible`.
     """
     known = seen.columns(())
     inside = [within_bounds(seen.stack, c, known) for c in seen.candidates]
@@ -131,17 +135,25 @@ def _sets(seen: Screened, size: int) -> list[tuple[Candidate, ...]]:
     return [(c,) for c in inside if c is not None] + [
         (a, b)
         for a, b in pairs
-        if len(a.at) + len(b.at) < size
-        and a.changed != b.changed
-        and not (a.common and b.common)
-        and _possible(seen, a, b)
+        if len(a.at) + len(b.at) < size and a.changed != b.changed and not (a.common and b.common)
     ]
 
 
-def _possible(seen: Screened, a: Candidate, b: Candidate) -> bool:
-    """Whether all numbers of both are within their bounds when fitted together."""
+def _possible(seen: Screened, several: Sequence[Candidate]) -> bool:
+    """Whether all numbers of a set are within their bounds when fitted together."""
+    if len(several) == 1:
+        return True
+    a, b = several
     inside = [within_bounds(seen.stack, x, seen.columns((y,))) for x, y in ((a, b), (b, a))]
     return [len(c.at) if c else 0 for c in inside] == [len(a.at), len(b.at)]
+
+
+def _nearest(
+    seen: Screened, pairs: Sequence[tuple[float, tuple[Candidate, ...]]]
+) -> tuple[Candidate, ...] | None:
+    """The possible pair with the smallest sum of squares."""
+    ordered = sorted(pairs, key=lambda one: one[0])
+    return next((several for _, several in ordered if _possible(seen, several)), None)
 
 
 def _choices(seen: Screened, several: tuple[Candidate, ...], before: Choice) -> tuple[Choice, ...]:
