@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from io import StringIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,10 +43,9 @@ class Excitation:
             f"{n}.target_{'m' if slide else 'rad'}"
             for n, slide in zip(self.joints, self.slides, strict=True)
         ]
-        rows = [",".join(["time_s", *names])]
-        for t, q in zip(self.time, self.q, strict=True):
-            rows.append(",".join(f"{x:.6g}" for x in (t, *q)))
-        return "\n".join(rows) + "\n"
+        table, text = np.column_stack([self.time, self.q]), StringIO()
+        np.savetxt(text, table, "%.6g", ",", header=",".join(["time_s", *names]), comments="")
+        return text.getvalue()
 
     @property
     def text(self) -> str:

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from scipy.linalg import qr
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import lengths, pseudo_inverse, without
 from frictionjoint.model_joints import mass_at_start
@@ -53,15 +53,15 @@ class BaseParameters:
     """Which parameters the logs determine, alone or in sums.
 
     Attributes:
-        base: indices of the base parameters. others: indices of those that appear only in sums with
-            them.
-        sums: coefficients, shape (len(base), len(others)). unseen: parameters without any torque.
+        base: indices of the base parameters, shape (b,). others: indices of those that appear only
+            in sums with them, shape (c,). sums: coefficients, shape (b, c).
+        unseen: indices of parameters without any torque.
     """
 
-    base: tuple[int, ...]
-    others: tuple[int, ...]
+    base: Index
+    others: Index
     sums: Array
-    unseen: tuple[int, ...]
+    unseen: Index
 
 
 def parameters_of(
@@ -134,16 +134,10 @@ def base_parameters(found: Information) -> BaseParameters:
     base, others = seen[order[:rank]], seen[order[rank:]]
     sums = np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
     sums = sums * size[others] / size[base][:, None]
-    return BaseParameters(
-        tuple(int(k) for k in base),
-        tuple(int(k) for k in others),
-        sums,
-        tuple(int(k) for k in unseen),
-    )
+    return BaseParameters(base, others, sums, unseen)
 
 
-def errors(found: Information, base: Sequence[int]) -> Array:
+def errors(found: Information, base: Index) -> Array:
     """Relative standard errors of base parameters, for independent samples, shape (b,)."""
-    at = list(base)
     # smaller eigenvalues are rounding
-    return np.asarray(np.sqrt(np.diag(pseudo_inverse(found.gram[np.ix_(at, at)], 1e-15))))
+    return np.asarray(np.sqrt(np.diag(pseudo_inverse(found.gram[np.ix_(base, base)], 1e-15))))

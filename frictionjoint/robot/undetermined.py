@@ -1,6 +1,6 @@
 """Parameters that the logs of a robot do not determine, as rows for the report."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -58,14 +58,12 @@ def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
 
 def _loose(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
     # ten correlated samples count as one
-    error = errors(found, base.base) * np.sqrt(10.0)
-    loose = [k for k, e in zip(base.base, error, strict=True) if e > LOOSE]
-    return _by_owner(
-        found, loose, "loose", f"known to no better than {LOOSE:.0%} of the model's own size"
-    )
+    loose = base.base[errors(found, base.base) * np.sqrt(10.0) > LOOSE]
+    text = f"known to no better than {LOOSE:.0%} of the model's own size"
+    return _by_owner(found, loose, "loose", text)
 
 
-def _by_owner(found: Information, at: Sequence[int], kind: str, text: str) -> list[dict[str, Any]]:
+def _by_owner(found: Information, at: Iterable[int], kind: str, text: str) -> list[dict[str, Any]]:
     owners: dict[str, list[str]] = {}
     for k in sorted(at):
         owners.setdefault(found.parameters[k].owner, []).append(found.parameters[k].name)

@@ -1,6 +1,7 @@
 """The interface of a shared cause: from its numbers to corrections of the model."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -86,9 +87,7 @@ class Cause(ABC):
         """Values and units of the cause by name, relative to corrections without it."""
 
 
-def composed(
-    causes: tuple[Cause, ...], numbers: tuple[Array, ...], state: Corrections
-) -> Corrections:
+def composed(causes: Sequence[Cause], numbers: Sequence[Array], state: Corrections) -> Corrections:
     """Corrections with all causes added in order."""
     for cause, x in zip(causes, numbers, strict=True):
         state = cause.applied(state, x)

@@ -26,7 +26,6 @@ class RotorInertia(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """The joint."""
         return {"joint": self.joint}
 
     def acts_on(self, joint: str) -> bool:
@@ -39,7 +38,6 @@ class RotorInertia(Cause):
         return ((-self.armature, np.inf),)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """The armature of the joint with the rotor."""
         here = state.armature.get(self.joint, 0.0) + float(x[0])
         return replace(state, armature=state.armature | {self.joint: here})
 
