@@ -213,9 +213,10 @@ class LogOptions:
         """
         from frictionjoint.measured.readers import read_log
         from frictionjoint.measured.several_files import read_joined
-        from frictionjoint.measured.units import check_units, units_of
+        from frictionjoint.measured.units import check_units
 
-        units, columns = units_of(self.unit or []), columns_of(self.column)
+        fix = "write QUANTITY=UNIT, e.g. position=deg"
+        units, columns = by_name("--unit", self.unit or [], fix), columns_of(self.column)
         check_units(units)
 
         def read(path: str | Path, joint: str) -> "JointLog":

@@ -114,16 +114,16 @@ def episodes_of(path: Path) -> list[int]:
     return found
 
 
-def joints_of_lerobot(path: Path) -> list[str]:
+def joints_of_lerobot(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
     """Names of the joints with position and target in a data set.
 
     Raises:
         LogError: not a data set.
     """
-    path, _ = episode_of(path)
-    info = _info(path)
-    targets = _joints(path, info, _ACTION)
-    return [name for name in _joints(path, info, _STATE) if name in targets]
+    folder, _ = episode_of(path)
+    info = _info(folder)
+    targets = _joints(folder, info, _ACTION)
+    return [name for name in _joints(folder, info, _STATE) if name in targets]
 
 
 def _info(path: Path) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.measured.derivatives import motion_band, uniform_motion
+from frictionjoint.measured.derivatives import motion_band, on_a_grid
 from frictionjoint.measured.gaps import split_at_gaps
 from frictionjoint.measured.log import JointLog
 
@@ -62,10 +62,7 @@ def _shorter(log: JointLog, most: int) -> JointLog:
 
 def _most_averaged(log: JointLog) -> int:
     """Number of neighbours that can be averaged: ten samples remain in the shortest period."""
-    n = min(len(log.time), MOST_ROWS)
-    time = log.time[:n]
-    dt = float(time[-1] - time[0]) / (n - 1)
-    position = uniform_motion(time, log.position[:n], time[0] + dt * np.arange(n))
+    _, position, dt = on_a_grid(log.part(slice(0, MOST_ROWS), ""))
     return max(1, int(1.0 / (10.0 * motion_band(position, dt).whole * dt)))
 
 

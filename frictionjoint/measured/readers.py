@@ -6,7 +6,7 @@ Isaac Lab and mjlab, JSON of BAM and K-Scale, and the public logs of EMPS, Panda
 folder of logs stands for all of them, see `log_files`.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -78,15 +78,9 @@ def read_log(
     expect(units, (Mapping, NoneType), "units", 'give units by quantity, {"position": "deg"}')
     path = Path(path)
     check_units(units or {})
-    if is_lerobot(path):
-        return read_lerobot(path, joint, columns, units)
-    if not path.exists():
-        raise LogError(f"{path}: no such log, check the path")
-    if is_bag(path):
-        return read_rosbag(path, joint, columns, units)
+    if special := _of_joints(path, columns):
+        return special[0](path, joint, columns, units)
     kind = path.suffix.lower()
-    if path.is_file() and is_rollout(path, columns):
-        return read_rollout(path, joint, columns, units)
     if kind in TABLES and path.is_file():
         if kind == ".mat" and not columns and is_emps(column_names(path)):
             return read_emps(path)
@@ -105,6 +99,23 @@ def read_log(
     if kind == ".npy":
         return read_odrive(path)
     raise unknown
+
+
+def _of_joints(
+    path: Path, columns: Mapping[str, str] | None
+) -> tuple[Callable[..., JointLog], Callable[..., list[str]]] | None:
+    """Readers of a log and of its joints' names, for formats that hold all joints of a robot.
+
+    Raises:
+        LogError: there is no such log.
+    """
+    if is_lerobot(path):
+        return read_lerobot, joints_of_lerobot
+    if not path.exists():
+        raise LogError(f"{path}: no such log, check the path")
+    if is_bag(path):
+        return read_rosbag, joints_of_bag
+    return (read_rollout, joints_of_rollout) if is_rollout(path, columns) else None
 
 
 def log_files(path: str | Path) -> list[Path]:
@@ -159,14 +170,8 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
         LogError: see `read_log`.
     """
     path = Path(path)
-    if is_lerobot(path):
-        return joints_of_lerobot(path)
-    if not path.exists():
-        raise LogError(f"{path}: no such log, check the path")
-    if is_bag(path):
-        return joints_of_bag(path, columns)
-    if path.is_file() and is_rollout(path, columns):
-        return joints_of_rollout(path, columns)
+    if special := _of_joints(path, columns):
+        return special[1](path, columns)
     if path.is_dir():
         return list(joints_of_folder(path))
     if path.suffix.lower() not in TABLES:

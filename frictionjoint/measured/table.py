@@ -131,23 +131,24 @@ def log_of(
         signals: further quantities by name. wrap: range at which positions wrap, rad (m).
         units: unit by quantity, for quantities not in SI units, see `units`.
     Raises:
-        LogError: see `validate`, `mend` and `units`.
+        LogError: see `validate` and `units`.
     """
     if units:
         own_names = {k: k if k in _SHARED or "." in k else f"{joint}.{k}" for k in data}
         data = {k: converted(path.name, own_names[k], x, units) for k, x in data.items()}
-    text, further, kept = _has_header(path), signals or {}, None
+    text, kept = _has_header(path), None
+    signals = signals or {}
+    unprefixed, data = {*_SHARED, *signals}, data | signals
     dropped: tuple[str, ...] = ()
 
     def shown(columns: dict[str, Array]) -> dict[str, Array]:
-        own = {k if k in _SHARED or "." in k else prefix + k: x for k, x in columns.items()}
-        return own | further
+        return {k if k in unprefixed or "." in k else prefix + k: x for k, x in columns.items()}
 
     if drop_nan:
         check_lengths(path.name, shown(data))
-        empty = np.logical_or.reduce([np.isnan(x) for x in (data | further).values()])
+        empty = np.logical_or.reduce([np.isnan(x) for x in data.values()])
         kept = np.flatnonzero(~empty)
-        data, further = ({name: x[kept] for name, x in part.items()} for part in (data, further))
+        data = {name: x[kept] for name, x in data.items()}
         if empty.any():
             dropped = (
                 f"{path.stem}: {int(empty.sum())} of {len(empty)} rows with an empty cell or NaN "
@@ -167,32 +168,20 @@ def log_of(
     check_columns(path.name, shown(data), row)
     own = {name: x for name, x in data.items() if "." not in name}
     check_moves(path.name, shown(own))
-    mixed, more = without_repeats(data | further)
-    data, further = ({name: mixed[name] for name in part} for part in (data, further))
+    data, more = without_repeats(data)
     own = {name: x for name, x in data.items() if "." not in name}
     check_leaps(path.name, shown(own))
     said = runs + integrated + lone + notes + more + drive_notes(own)
     notes = (*dropped, *(f"{path.stem}: {note}" for note in said))
-    return _from_columns(path.stem, joint, data, further, notes)
-
-
-def _from_columns(
-    name: str,
-    joint: str,
-    data: Mapping[str, Array],
-    signals: dict[str, Array],
-    notes: tuple[str, ...],
-) -> JointLog:
-    """A log from checked columns with our names."""
 
     def others(quantity: str) -> dict[str, Array]:
         parts = ((key.rpartition("."), x) for key, x in data.items())
         return {other: x for (other, dot, unit), x in parts if dot and unit.startswith(quantity)}
 
     slide = "position_m" in data
-    enabled = data.get("torque_enabled")
+    enabled = None if "torque_enabled" in signals else data.get("torque_enabled")
     return JointLog(
-        name=name,
+        name=path.stem,
         joint=joint,
         time=data["time_s"],
         position=data["position_m" if slide else "position_rad"],
@@ -208,7 +197,7 @@ def _from_columns(
         slide=slide,
         other_positions=others("position"),
         other_velocities=others("velocity"),
-        signals=signals,
+        signals={name: data[name] for name in signals},
         notes=notes,
     )
 
