@@ -96,7 +96,7 @@ def content(request):
 def errors_shown(s):
     """Every error of the drive that is shown."""
     rows = [x for e in s.errors if e.unit == s.units[0] for x in e.values.values()]
-    rows += [x for log in s.logs for x in (log.before, log.after)]
+    rows += [x for log in s.logs for x in (log["before"], log["after"])]
     return [x for x in rows if x is not None]
 
 
@@ -161,7 +161,7 @@ def test_the_headline_lies_between_its_logs(content):
     s = summarise(content)
     role = s.role.replace("_", "-")
     for row in s.errors:
-        own = [getattr(x, row.stage) for x in s.logs if x.role == role]
+        own = [x[row.stage] for x in s.logs if x["role"] == role]
         if row.unit == s.units[0] and None not in own:
             assert min(own) * (1 - 1e-9) <= row.values[s.role] <= max(own) * (1 + 1e-9)
 

@@ -31,7 +31,7 @@ from frictionjoint.law.names import LAWS
 Logs = Annotated[
     list[Path] | None, typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --robot.")
 ]
-Law = Annotated[str | None, typer.Option("--law", help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")]
+Law = Annotated[str | None, typer.Option(help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")]
 Seed = Annotated[
     int,
     typer.Option(
@@ -43,13 +43,12 @@ Seed = Annotated[
 @reads_logs("gain", "signal", "fixed", "controller")
 def close_loop_command(
     model: Model,
-    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for the report.")],
+    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for the report.")],
     logs: Logs = None,
     joint: Joints = None,
     held_out: Annotated[
         list[str] | None,
         typer.Option(
-            "--held-out",
             metavar="LOG|FRACTION",
             help="A log to hold out, or the fraction of each log to hold out, at its end. "
             "Repeatable. Default: 0.25.",
@@ -70,7 +69,6 @@ def close_loop_command(
     robot: Annotated[
         list[str] | None,
         typer.Option(
-            "--robot",
             metavar="NAME=LOG",
             help="A log of one of several robots of one kind, instead of LOG. Repeatable, also for "
             "the same robot.",
@@ -79,7 +77,6 @@ def close_loop_command(
     scheduler: Annotated[
         str | None,
         typer.Option(
-            "--scheduler",
             metavar="ADDRESS",
             help="Dask scheduler, tcp://HOST:PORT. Its workers analyse the joints of a robot; the "
             "result is the same.",

@@ -23,7 +23,7 @@ def compare(
         ),
     ],
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Drawing: .html, .png or .svg.")
+        Path | None, typer.Option(metavar="FILE", help="Drawing: .html, .png or .svg.")
     ] = None,
     force: Force = False,
     as_json: Json = False,

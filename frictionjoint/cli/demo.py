@@ -13,9 +13,7 @@ _FOLDER = Path("frictionjoint-demo")
 
 
 def demo(
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
-    ] = _FOLDER,
+    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for the results.")] = _FOLDER,
     open_it: Open = False,
     force: Force = False,
 ) -> None:

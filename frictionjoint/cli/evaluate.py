@@ -28,7 +28,7 @@ def evaluate(
     logs: Logs,
     joint: Joints = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots.")
+        Path | None, typer.Option(metavar="FOLDER", help="Folder for a page with plots.")
     ] = None,
     options: LogOptions = NO_OPTIONS,
     force: Force = False,

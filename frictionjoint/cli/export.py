@@ -16,18 +16,15 @@ def export(
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="MJCF that contains friction, see `install`.")
     ],
-    to: Annotated[str, typer.Option("--to", metavar="TARGET", help="One of the programs above.")],
-    out: Annotated[
-        Path, typer.Option("--out", metavar="PATH", help="File to write, or a folder for it.")
-    ],
+    to: Annotated[str, typer.Option(metavar="TARGET", help="One of the programs above.")],
+    out: Annotated[Path, typer.Option(metavar="PATH", help="File to write, or a folder for it.")],
     log: Annotated[
         Path | None,
-        typer.Option("--log", metavar="LOG", help="Motion to fit and to state the error for."),
+        typer.Option(metavar="LOG", help="Motion to fit and to state the error for."),
     ] = None,
     speeds: Annotated[
         str | None,
         typer.Option(
-            "--speeds",
             metavar="LOW:HIGH",
             help="Speeds to fit and to state the error for, rad/s or m/s. Default without a log: "
             "0.1 to 20 Stribeck velocities, or up to 1 rad/s if friction does not fall with "

@@ -24,19 +24,18 @@ from frictionjoint.law.names import LAWS
 Joint = Annotated[
     str | None,
     typer.Option(
-        "--joint",
         metavar="NAME",
         help="A joint in the model and in the logs. Default: the model's only joint.",
     ),
 ]
-Law = Annotated[str, typer.Option("--law", help=LAW_TO_FIT)]
+Law = Annotated[str, typer.Option(help=LAW_TO_FIT)]
 
 
 @reads_logs("gain", "signal", "fixed", "controller")
 def identify(
     logs: Logs,
     model: Model,
-    out: Annotated[Path, typer.Option("--out", metavar="TOML", help="Parameter file to write.")],
+    out: Annotated[Path, typer.Option(metavar="TOML", help="Parameter file to write.")],
     joint: Joint = None,
     law: Law = LAWS[0],
     options: LogOptions = NO_OPTIONS,

@@ -26,19 +26,17 @@ Logs = Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)]
 Joints = Annotated[
     list[str] | None,
     typer.Option(
-        "--joint",
         metavar="NAME",
         help="A joint in the model and in the logs. Repeatable. Default: all joints whose drive "
         "the logs contain.",
     ),
 ]
 ReportJoint = Annotated[
-    str | None, typer.Option("--joint", metavar="NAME", help="Joint, if the report is of a robot.")
+    str | None, typer.Option(metavar="NAME", help="Joint, if the report is of a robot.")
 ]
 Columns = Annotated[
     list[str] | None,
     typer.Option(
-        "--column",
         metavar="OURS=THEIRS",
         help="Column of your file, e.g. time_s=t; in a file without a header its number, from 1. "
         "time_s=500Hz: a sample rate instead of a column of times. Repeatable.",
@@ -47,7 +45,6 @@ Columns = Annotated[
 Signals = Annotated[
     list[str] | None,
     typer.Option(
-        "--signal",
         metavar="NAME",
         help="A column that friction may depend on, e.g. a normal load. Repeatable.",
     ),
@@ -55,7 +52,6 @@ Signals = Annotated[
 Wrap = Annotated[
     float | None,
     typer.Option(
-        "--wrap",
         metavar="RANGE",
         help="Range at which positions wrap, rad (m). Wraps at one turn and at 25 rad are detected "
         "without this option.",
@@ -64,7 +60,6 @@ Wrap = Annotated[
 Units = Annotated[
     list[str] | None,
     typer.Option(
-        "--unit",
         metavar="QUANTITY=UNIT",
         help="Unit of a quantity that is not in SI units: position=deg, time=ms, "
         "position=counts:4096 (per turn), or torque=-0.05, the factor to SI. Repeatable.",
@@ -80,7 +75,6 @@ Join = Annotated[
 Gain = Annotated[
     float | None,
     typer.Option(
-        "--gain",
         metavar="NUMBER",
         help="Motor constant, N m per A or per V. Default: estimated from the load.",
     ),
@@ -88,7 +82,6 @@ Gain = Annotated[
 Fixed = Annotated[
     list[str] | None,
     typer.Option(
-        "--fixed",
         metavar="JOINT=VALUE",
         help="Position of a joint that the logs do not contain, rad or m; x,y,z,qw,qx,qy,qz of a "
         "floating base. Repeatable.",
@@ -106,7 +99,6 @@ DropNan = Annotated[
 ControllerFile = Annotated[
     str | None,
     typer.Option(
-        "--controller",
         metavar="FILE|PRESET|mjcf",
         help="Controller that moved the joints to their targets: a TOML file, with a table "
         "[joint.NAME] for a joint that differs; or xl330, sts3215, unitree, mit; or mjcf, the "
@@ -116,7 +108,6 @@ ControllerFile = Annotated[
 Model = Annotated[
     list[str],
     typer.Option(
-        "--model",
         metavar="MJCF",
         help="MJCF or URDF of the robot without friction. With several loads, one PATTERN=MJCF per "
         "load; the pattern matches the names of the logs. Repeatable.",

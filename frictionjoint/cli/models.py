@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 
     from frictionjoint.joint_friction import JointFriction
 
-Out = Annotated[Path, typer.Option("--out", metavar="MJCF", help="Model to write.")]
+Out = Annotated[Path, typer.Option(metavar="MJCF", help="Model to write.")]
 Carrying = Annotated[Path, typer.Argument(metavar="MJCF", help="Model that contains friction.")]
 
 
@@ -25,7 +25,7 @@ def install(
     out: Out,
     joint: Annotated[
         list[str] | None,
-        typer.Option("--joint", metavar="NAME=TOML", help="Joint and its parameters. Repeatable."),
+        typer.Option(metavar="NAME=TOML", help="Joint and its parameters. Repeatable."),
     ] = None,
     every: Annotated[
         Path | None,
@@ -35,7 +35,7 @@ def install(
     ] = None,
     exclude: Annotated[
         list[str] | None,
-        typer.Option("--exclude", metavar="NAME", help="Joint that --all leaves out. Repeatable."),
+        typer.Option(metavar="NAME", help="Joint that --all leaves out. Repeatable."),
     ] = None,
     replace: Annotated[
         bool, typer.Option("--replace", help="Replace friction that a joint has already.")

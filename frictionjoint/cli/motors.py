@@ -20,7 +20,7 @@ motors = typer.Typer(
         "`frictionjoint motors get ur10_j1 --out j1.toml`, for `frictionjoint install`"
     ),
 )
-Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="File to write.")]
+Out = Annotated[Path, typer.Option(metavar="FILE", help="File to write.")]
 Bam = Annotated[Path, typer.Argument(metavar="JSON", help="Parameter file of BAM.")]
 
 
@@ -35,9 +35,7 @@ def listed(context: typer.Context) -> None:
 def list_command(
     robot: Annotated[
         str | None,
-        typer.Option(
-            "--robot", metavar="TEXT", help="Only motors with this text in their name or title."
-        ),
+        typer.Option(metavar="TEXT", help="Only motors with this text in their name or title."),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -187,14 +185,12 @@ def to_bam_command(
     ],
     like: Annotated[
         Path,
-        typer.Option(
-            "--like", metavar="JSON", help="File of BAM that supplies the actuator, kt and R."
-        ),
+        typer.Option(metavar="JSON", help="File of BAM that supplies the actuator, kt and R."),
     ],
     out: Out,
     model: Annotated[
         str | None,
-        typer.Option("--model", metavar="M", help="m1 to m6. Default: the simplest that suffices."),
+        typer.Option(metavar="M", help="m1 to m6. Default: the simplest that suffices."),
     ] = None,
     force: Force = False,
 ) -> None:

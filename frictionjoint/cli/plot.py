@@ -18,12 +18,11 @@ def plot(
     logs: Logs,
     joint: Annotated[
         str | None,
-        typer.Option("--joint", metavar="NAME", help="Joint, if a log contains several."),
+        typer.Option(metavar="NAME", help="Joint, if a log contains several."),
     ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out",
             metavar="FILE",
             help="Page or picture to write: .html, .png or .svg. Default: LOG.html here.",
         ),

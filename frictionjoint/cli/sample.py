@@ -14,8 +14,8 @@ def sample(
     report: Annotated[
         Path, typer.Argument(metavar="REPORT", help="report.json of close-loop, or its folder.")
     ],
-    n: Annotated[int, typer.Option("--n", min=1, max=100_000, help="Number of samples.")],
-    out: Annotated[Path, typer.Option("--out", metavar="JSON", help="File to write.")],
+    n: Annotated[int, typer.Option(min=1, max=100_000, help="Number of samples.")],
+    out: Annotated[Path, typer.Option(metavar="JSON", help="File to write.")],
     joint: ReportJoint = None,
     seed: Annotated[int, typer.Option(min=0, help="Equal seeds give equal samples.")] = 0,
     force: Force = False,

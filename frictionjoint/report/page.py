@@ -32,7 +32,7 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
     stretch = charts.worst_stretch(report)
     position = charts.worst_position(report)
     # the curves before are those of the errors before, unless causes are shared with other joints
-    before = all(row.before is not None for row in s.logs) if s.changed else False
+    before = s.changed and all(row["before"] is not None for row in s.logs)
     whole = charts.Stretch(stretch.curve, slice(None))
     in_detail = [*charts.drive_charts(report, stretch, "stretch", before)]
     in_whole = [*charts.drive_charts(report, whole, "whole", before)]

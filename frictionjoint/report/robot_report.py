@@ -166,14 +166,12 @@ def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:
         pairs: error and drive of each joint.
     """
 
-    def mean(values: list[tuple[float | None, float | None]]) -> float | None:
+    def mean(role: str) -> float | None:
+        values = [(getattr(error, role), getattr(drive, role)) for error, drive in pairs]
         known = [error / size for error, size in values if error is not None and size]
         return 100.0 * float(np.mean(known)) if known else None
 
-    return Rms(
-        mean([(error.fit, drive.fit) for error, drive in pairs]),
-        mean([(error.held_out, drive.held_out) for error, drive in pairs]),
-    )
+    return Rms(mean("fit"), mean("held_out"))
 
 
 def notes_of(joints: Mapping[str, Report]) -> tuple[str, ...]:

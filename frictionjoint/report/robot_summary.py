@@ -69,7 +69,7 @@ class RobotSummary:
 
     Attributes:
         joints: summary of each. rows: one per joint. failed: why a joint has no result.
-        logs: name, samples, duration in s, role.
+        logs: as in report.json.
     """
 
     verdict: str
@@ -83,7 +83,7 @@ class RobotSummary:
     undetermined: tuple[str, ...]
     notes: tuple[str, ...]
     record_next: tuple[str, ...]
-    logs: tuple[tuple[str, int, float, str], ...]
+    logs: tuple[Content, ...]
 
     # headings of the columns of friction numbers
     friction_head: ClassVar = ("Coulomb", "breakaway", "viscous", "presliding stiffness")
@@ -146,7 +146,7 @@ def summarise_robot(content: Content) -> RobotSummary:
         undetermined=tuple(x["text"] for x in content["undetermined"]),
         notes=without_repetition(content.get("notes", ())),
         record_next=next_one,
-        logs=tuple((x["name"], x["samples"], x["duration_s"], x["role"]) for x in content["logs"]),
+        logs=tuple(content["logs"]),
     )
 
 

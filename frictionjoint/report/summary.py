@@ -35,18 +35,6 @@ from frictionjoint.report.wording import listed, quantity, three
 
 
 @dataclass(frozen=True)
-class LogRow:
-    """A log with its errors of the drive in motion."""
-
-    name: str
-    samples: int
-    duration_s: float
-    role: str
-    before: float | None
-    after: float | None
-
-
-@dataclass(frozen=True)
 class Summary:
     """Content of the report of one joint.
 
@@ -60,6 +48,7 @@ class Summary:
         threshold: when an effect is normally added, in a sentence.
         smallest: each further effect, and the smallest torque that these logs would have shown.
         law_errors: rms error in motion on fitted logs with each friction law.
+        logs: as in report.json, with their errors of the drive, `before` and `after`.
     """
 
     joint: str
@@ -82,7 +71,7 @@ class Summary:
     unexplained: tuple[tuple[str, float], ...]
     notes: tuple[str, ...]
     record_next: tuple[str, ...]
-    logs: tuple[LogRow, ...]
+    logs: tuple[Content, ...]
     laws: tuple[str, str]
     at_rest: float = 0.0
 
@@ -174,18 +163,10 @@ def summarise(content: Content) -> Summary:
     )
 
 
-def _logs(content: Content) -> tuple[LogRow, ...]:
+def _logs(content: Content) -> tuple[Content, ...]:
     errors = {(e["name"], e["role"]): e for e in content.get("log_errors", ())}
-    return tuple(
-        LogRow(
-            log["name"],
-            log["samples"],
-            log["duration_s"],
-            log["role"],
-            *(errors.get((log["name"], log["role"]), {}).get(stage) for stage in STAGES),
-        )
-        for log in content["logs"]
-    )
+    unknown = dict.fromkeys(STAGES)
+    return tuple(unknown | x | errors.get((x["name"], x["role"]), {}) for x in content["logs"])
 
 
 def _missing(s: Summary) -> str:
