@@ -116,11 +116,8 @@ Model = Annotated[
 
 
 def models_of(model: list[str]) -> str | dict[str, str]:
-    """An MJCF, or one per pattern of log names.
-
-    Raises:
-        FrictionJointError: several models, and one of them has no pattern.
-    """
+    """An MJCF, or one per pattern of log names; FrictionJointError if several models, and one of
+    them has no pattern."""
     if len(model) == 1 and "=" not in model[0]:
         return model[0]
     fix = "with several models write PATTERN=MJCF, e.g. 'heavy*=b.xml'"
@@ -143,11 +140,8 @@ def joints_of(model: list[str]) -> list[str]:
 
 
 def the_joint(asked: str | None, model: list[str]) -> str:
-    """The requested joint, else the only one of a model.
-
-    Raises:
-        ModelError: no joint is requested, and the model does not have exactly one with a name.
-    """
+    """The requested joint, else the only one of a model; ModelError if no joint is requested, and
+    the model does not have exactly one with a name."""
     if asked is not None:
         return asked
     names, file = joints_of(model), paths_of(model)[0]
@@ -181,11 +175,8 @@ class LogOptions:
 
     @property
     def poses(self) -> dict[str, float | list[float]]:
-        """Fixed positions by joint.
-
-        Raises:
-            ModelError: not JOINT=VALUE, or a joint twice.
-        """
+        """Fixed positions by joint; ModelError if one is not JOINT=VALUE, or a joint is given
+        twice."""
         found: dict[str, float | list[float]] = {}
         fix = "write JOINT=VALUE in rad or m, e.g. shoulder=0.3"
         for name, value in by_name("--fixed", self.fixed or [], fix).items():
@@ -197,11 +188,8 @@ class LogOptions:
         return found
 
     def reader(self, paths: "LogPaths") -> "Callable[[str | Path, str], JointLog]":
-        """A function that reads a joint, "" for the only one, of one of these logs.
-
-        Raises:
-            LogError: a column is not OURS=THEIRS, or a unit not QUANTITY=UNIT.
-        """
+        """A function that reads a joint, "" for the only one, of one of these logs; LogError if a
+        column is not OURS=THEIRS, or a unit not QUANTITY=UNIT."""
         from frictionjoint.measured.readers import read_log
         from frictionjoint.measured.several_files import read_joined
         from frictionjoint.measured.units import check_units
@@ -317,20 +305,14 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
 
 
 def columns_of(column: list[str] | None) -> dict[str, str]:
-    """Names of columns in a file, by our names, from texts OURS=THEIRS.
-
-    Raises:
-        FrictionJointError: a text does not have that form.
-    """
+    """Names of columns in a file, by our names, from texts OURS=THEIRS; FrictionJointError if a
+    text does not have that form."""
     return by_name("--column", column or [], "write ours=theirs, e.g. time_s=t")
 
 
 def by_name(option: str, texts: list[str], fix: str) -> dict[str, str]:
-    """Values by name, from the texts NAME=VALUE of an option.
-
-    Raises:
-        FrictionJointError: see `named`, or a name is given twice.
-    """
+    """Values by name, from the texts NAME=VALUE of an option; FrictionJointError: see `named`, also
+    if a name is given twice."""
     found: dict[str, str] = {}
     for name, value in (named(option, text, fix) for text in texts):
         if name in found:
@@ -340,11 +322,8 @@ def by_name(option: str, texts: list[str], fix: str) -> dict[str, str]:
 
 
 def named(option: str, text: str, fix: str) -> tuple[str, str]:
-    """Both sides of the text NAME=VALUE that an option has.
-
-    Raises:
-        FrictionJointError: the text does not have that form; `fix` is what to write.
-    """
+    """Both sides of the text NAME=VALUE that an option has; FrictionJointError if the text does not
+    have that form; `fix` is what to write."""
     name, _, value = text.partition("=")
     if not (name and value):
         raise FrictionJointError(f"{option} {text}: {fix}")

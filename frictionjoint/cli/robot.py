@@ -12,12 +12,8 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 
 
 def robots_of(robots: list[str]) -> dict[str, list[Path]]:
-    """Logs by the robot's name, from texts NAME=LOG.
-
-    Raises:
-        FrictionJointError: a text does not have that form, a name cannot name a folder, a log is
-            given twice, or there is only one robot.
-    """
+    """Logs by the robot's name, from texts NAME=LOG; FrictionJointError if a text does not have
+    that form, a name cannot name a folder, a log is given twice, or there is only one robot."""
     found: dict[str, list[Path]] = {}
     for text in robots:
         name, path = named("--robot", text, "write NAME=LOG, e.g. left=left_arm.csv")

@@ -77,11 +77,8 @@ def _part(where: str, source: str, number: int | None, array: Array) -> Array:
 
 @contextmanager
 def opened_npz(path: Path) -> Iterator[Any]:
-    """The arrays of an .npz file by name.
-
-    Raises:
-        LogError: the file is corrupt, also where an array is read within the context.
-    """
+    """The arrays of an .npz file by name. LogError if the file is corrupt, also where an array is
+    read within the context."""
     try:
         with np.load(path, allow_pickle=False) as archive:
             yield archive

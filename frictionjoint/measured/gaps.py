@@ -10,11 +10,8 @@ from frictionjoint.measured.log import FEWEST_ROWS, LARGEST_GAP, JointLog
 
 
 def split_at_gaps(log: JointLog) -> list[JointLog]:
-    """The parts of a log between gaps, each with a note; the log itself if it has no gap.
-
-    Raises:
-        LogError: no part is long enough.
-    """
+    """The parts of a log between gaps, each with a note; the log itself if it has no gap. LogError
+    if no part is long enough."""
     step = np.diff(log.time)
     at = np.flatnonzero(step > LARGEST_GAP * float(np.median(step))) + 1
     if not at.size:

@@ -162,12 +162,8 @@ class JointLog:
 
 def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
     """The first part of a log, and its last `fraction` to hold out, with the first part as
-       `before`.
-
-    Raises:
-        LogError: the fraction is not above 0 and at most `MOST_HELD_OUT`, or leaves a part too
-            short.
-    """
+    `before`; LogError if the fraction is not above 0 and at most `MOST_HELD_OUT`, or leaves a part
+    too short."""
     if not 0.0 < fraction <= MOST_HELD_OUT:
         raise LogError(
             f"held-out fraction is {fraction:g}: give more than 0 and at most {MOST_HELD_OUT:g}"

@@ -12,11 +12,8 @@ from frictionjoint.measured.arrays import corrupt
 
 
 def column_names(path: Path) -> list[str]:
-    """Names of a file's columns, without reading its rows.
-
-    Raises:
-        LogError: pyarrow is missing, or it cannot read the file.
-    """
+    """Names of a file's columns, without reading its rows; LogError if pyarrow is missing, or it
+    cannot read the file."""
     arrow = _arrow(path)
     try:
         return list(arrow.parquet.read_schema(path).names)

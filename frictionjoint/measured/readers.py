@@ -104,11 +104,8 @@ def read_log(
 def _of_joints(
     path: Path, columns: Mapping[str, str] | None
 ) -> tuple[Callable[..., JointLog], Callable[..., list[str]]] | None:
-    """Readers of a log and of its joints' names, for formats that hold all joints of a robot.
-
-    Raises:
-        LogError: there is no such log.
-    """
+    """Readers of a log and of its joints' names, for formats that hold all joints of a robot;
+    LogError if there is no such log."""
     if is_lerobot(path):
         return read_lerobot, joints_of_lerobot
     if not path.exists():
@@ -144,11 +141,8 @@ def log_files(path: str | Path) -> list[Path]:
 def each_log(
     logs: Sequence[JointLog | str | Path], held_out: Sequence[JointLog | str | Path] = ()
 ) -> list[JointLog | str | Path]:
-    """Logs one by one: those of a folder or data set without those that are held out.
-
-    Raises:
-        LogError: a folder holds no log.
-    """
+    """Logs one by one: those of a folder or data set without those that are held out. LogError if a
+    folder holds no log."""
     kept = {Path(x) for x in held_out if not isinstance(x, JointLog)}
     found: list[JointLog | str | Path] = []
     for log in logs:

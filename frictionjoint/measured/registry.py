@@ -58,11 +58,8 @@ def list_data() -> tuple[DataSet, ...]:
 
 
 def get_data(name: str) -> Path:
-    """Folder with the files of a data set, fetched if need be, hashes checked.
-
-    Raises:
-        LogError: an unknown name, a file missing or altered, or no network.
-    """
+    """Folder with the files of a data set, fetched if need be, hashes checked; LogError for an
+    unknown name, a file missing or altered, or no network."""
     if name not in _sets():
         raise LogError(f"no data set {name!r}, there are {', '.join(_sets())}")
     data = _sets()[name]

@@ -50,11 +50,7 @@ class Layout(NamedTuple):
 
 
 def layout_of(path: Path) -> Layout:
-    """Layout of a file.
-
-    Raises:
-        LogError: the file is empty or no text.
-    """
+    """Layout of a file; LogError if the file is empty or no text."""
     try:
         with path.open(encoding="utf-8-sig") as file:
             # a header is shorter than a megabyte

@@ -30,11 +30,7 @@ _MISSING = {"", "na", "n/a", "#n/a", "#na", "null", "1.#ind", "-1.#ind", "1.#qna
 
 
 def header(path: Path) -> list[str]:
-    """Column names of a file.
-
-    Raises:
-        LogError: the file is empty or no text.
-    """
+    """Column names of a file; LogError if the file is empty or no text."""
     return [name for name in layout_of(path).names if name is not None]
 
 

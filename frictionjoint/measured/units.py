@@ -79,11 +79,7 @@ _QUANTITIES = sorted({names[0] for names, _ in _COLUMNS.values()})
 
 
 def check_units(units: Mapping[str, str]) -> None:
-    """Check that quantities and units are known.
-
-    Raises:
-        LogError: the first one that is not.
-    """
+    """Check that quantities and units are known; LogError for the first one that is not."""
     for quantity, unit in units.items():
         last = quantity.rpartition(".")[2]
         tables = [table for names, table in _COLUMNS.values() if names[0] == last]

@@ -44,11 +44,8 @@ class Drift:
 
 
 def known_of(report: Path, joint: str | None = None) -> Known:
-    """The friction of a report: its folder, or report.json next to model.xml.
-
-    Raises:
-        ParameterError: the path is not a report, or the report gives no friction in N m.
-    """
+    """The friction of a report: its folder, or report.json next to model.xml; ParameterError if it
+    is no report, or gives no friction in N m."""
     file, name, own = read_joint(report, joint)
     model = file.with_name("model.xml")
     if not own.get("posterior"):
@@ -63,11 +60,7 @@ def known_of(report: Path, joint: str | None = None) -> Known:
 
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
-    """Compare each parameter of a known friction with new logs.
-
-    Raises:
-        LogError: see `estimate`.
-    """
+    """Compare each parameter of a known friction with new logs; LogError: see `estimate`."""
     return judged(known, [estimate(known, log) for log in logs])
 
 

@@ -122,11 +122,8 @@ class Known:
 
 
 def estimate(known: Known, log: JointLog) -> Estimates:
-    """Estimate the parameters of a known friction from one recording.
-
-    Raises:
-        LogError: the log contains no measured drive, or no motion to compare.
-    """
+    """Estimate the parameters of a known friction from one recording; LogError if the log contains
+    no measured drive, or no motion to compare."""
     numbers = known.numbers
     if not numbers:
         raise ParameterError("the friction has no number to compare: all are zero or shapes")

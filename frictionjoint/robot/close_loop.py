@@ -72,11 +72,8 @@ class Options:
 def close_loop_logs(
     logs: RobotLogs, model: str | Path | Mapping[str, str | Path], options: Options
 ) -> Report | RobotReport:
-    """The report of one joint that was named alone, or of a robot.
-
-    Raises:
-        FrictionJointError: bad logs or model, in one line.
-    """
+    """The report of one joint that was named alone, or of a robot; FrictionJointError for bad logs
+    or model, in one line."""
     return (
         _one_joint(logs, model, options) if logs.alone else close_loop_robot(logs, model, options)
     )
@@ -97,11 +94,8 @@ def _one_joint(
 def close_loop_robot(
     logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
 ) -> RobotReport:
-    """Fit every joint, find shared causes, then the missing effects of each joint, and report.
-
-    Raises:
-        FrictionJointError: bad logs or model, in one line.
-    """
+    """Fit every joint, find shared causes, then the missing effects of each joint, and report;
+    FrictionJointError for bad logs or model, in one line."""
     assert not isinstance(model, Mapping)
     begin = time.perf_counter()
     model, carried = before_friction(model, logs.joints)

@@ -124,11 +124,8 @@ def first_fit(
     fixed: Mapping[str, Pose] | None,
     controller: Controller | None = None,
 ) -> FittedJoint:
-    """The law fitted to a joint's logs with the user's model.
-
-    Raises:
-        LogError: see `prepare` and `gate.check_signs`; no cause of the robot produces a wrong sign.
-    """
+    """The law fitted to a joint's logs with the user's model; LogError: see `prepare` and
+    `gate.check_signs`, for no cause of the robot produces a wrong sign."""
     body = RigidBody(model, joint, fixed)
     prepared = prepare(list(logs), body, controller=controller)
     check_signs(prepared)
