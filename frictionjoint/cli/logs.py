@@ -116,8 +116,8 @@ Model = Annotated[
 
 
 def models_of(model: list[str]) -> str | dict[str, str]:
-    """An MJCF, or one per pattern of log names; FrictionJointError if several models, and one of
-    them has no pattern."""
+    """An MJCF, or one per pattern of log names; FrictionJointError if there are several and
+    one of them has no pattern."""
     if len(model) == 1 and "=" not in model[0]:
         return model[0]
     fix = "with several models write PATTERN=MJCF, e.g. 'heavy*=b.xml'"
@@ -213,11 +213,8 @@ _OPTIONAL = ("gain", "signal", "fixed", "controller")
 
 
 def reads_logs(*also: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the options of `LogOptions` in place of its parameter ``options``.
-
-    Args:
-        also: those of "gain", "signal", "fixed" and "controller", which not every command has.
-    """
+    """Give a command the options of `LogOptions` in place of its parameter ``options``, of those
+    that not every command has (`_OPTIONAL`) the named ones."""
     names = [name for name in _TYPES if name not in _OPTIONAL or name in also]
     own = [
         inspect.Parameter(

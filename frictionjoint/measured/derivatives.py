@@ -104,11 +104,8 @@ def motion_band(position: Array, dt: float) -> MotionBand:
 
 
 def position_noise(position: Array, dt: float, corner_hz: float) -> float:
-    """Standard deviation of white position noise, from the spectrum above the motion, rad (m).
-
-    Args:
-        position: on a uniform grid of step dt, s, shape (n,). corner_hz: end of the motion's band.
-    """
+    """Standard deviation of white position noise, from the spectrum above the motion, whose band
+    ends at a corner, rad (m); of a position on a uniform grid of step dt, s, shape (n,)."""
     from scipy.signal import welch
 
     # a window with side lobes so low that the motion does not leak into the noise

@@ -111,11 +111,8 @@ class JointLog:
         return self.columns() | positions | velocities | self.signals
 
     def mapped(self, change: Callable[..., Array], *others: "JointLog") -> "JointLog":
-        """The log with every array changed, without `before`.
-
-        Args:
-            change: of an array, and of the same one of each of some other logs.
-        """
+        """The log without `before`, with every array changed by a function of it and of the same
+        array of some other logs."""
 
         def of(these: dict[str, Array], *those: dict[str, Array]) -> dict[str, Any]:
             return {name: change(x, *(x[name] for x in those)) for name, x in these.items()}

@@ -95,11 +95,7 @@ class LowPass:
         weight: Callable[[Array], Array] | None = None,
     ) -> Array:
         """The filtered signal of a spectrum, differentiated and delayed by `delay` seconds, shape
-        (m,).
-
-        Args:
-            weight: amplitude by angular frequency, rad/s, 1 at zero.
-        """
+        (m,), with a `weight` of the amplitude by angular frequency, rad/s, 1 at zero."""
         return np.asarray(self._alone.back([spectrum], derivative, delay, weight)[0])
 
     @cached_property
@@ -167,13 +163,7 @@ class LowPasses:
         self._count = back[-1].stop
 
     def __call__(self, x: Array) -> Array:
-        """Filter each row.
-
-        Args:
-            x: shape (k, n), n samples of all logs.
-        Returns:
-            shape (k, m).
-        """
+        """Filter each row of n samples of all logs, shape (k, n) to (k, m)."""
         return self.back(self.spectra(x))
 
     def spectra(self, x: Array) -> list[Spectrum]:
@@ -196,11 +186,8 @@ class LowPasses:
 
 
 class _Alike:
-    """Filters with transforms of equal length, computed together.
-
-    Args:
-        begin, back: positions of the logs in the input and in the output.
-    """
+    """Filters with transforms of equal length, computed together; `begin` and `back` are the slices
+    of their logs in the input and in the output."""
 
     def __init__(
         self, filters: Sequence[LowPass], begin: Sequence[slice], back: Sequence[slice]

@@ -108,11 +108,8 @@ def _outliers(name: str, x: Array, lone: NDArray[np.intp]) -> str:
 
 
 def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, int]]:
-    """Start and end of each interval in which a joint moves without a drive.
-
-    Args:
-        time, position, drive: shape (n,). A drive is off where it is exactly zero for long.
-    """
+    """Start and end of each interval in which a joint moves without a drive, which is off where it
+    is exactly zero for long; all arrays of shape (n,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], drive == 0.0, [0]]).astype(int)))
     # half a second of exactly zero: the drive is off
     return [

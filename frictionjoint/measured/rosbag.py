@@ -123,7 +123,7 @@ def _read_fields(
 
 
 def joints_of_bag(path: Path, columns: Mapping[str, str] | None) -> list[str]:
-    """Names of the joints with effort or commands in a bag; LogError: see `read_rosbag`."""
+    """Names of the joints with effort or commands in a bag."""
     mapping = dict(columns or {})
     samples = _by_joint(path, *(mapping.get(name) for name in ("topic", "command", "joints")))
     drives = [_EFFORT, _TARGET]

@@ -208,11 +208,8 @@ def _has_header(path: Path) -> bool:
 
 
 def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of a table's columns, without reading its rows.
-
-    Args:
-        columns: the requested ones, see `read_table`; of matrices, these parts are named.
-    """
+    """Names of a table's columns, without reading its rows; of matrices those parts that are
+    requested, see `read_table`."""
     if path.suffix.lower() in text_table.ENDINGS:
         return bare_names(path) if is_bare(path) else text_table.header(path)
     arrays = _arrays(path)

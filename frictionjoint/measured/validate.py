@@ -136,11 +136,8 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
 
 
 def require_motion(source: str, position: Array) -> None:
-    """Raise NoMotionError if a position has too few different readings for a velocity.
-
-    Args:
-        source: name of the log and its joint for the message. position: shape (n,).
-    """
+    """Raise NoMotionError if a position, shape (n,), has too few different readings for a
+    velocity."""
     n = len(np.unique(position))
     if n < _FEWEST_READINGS:
         raise NoMotionError(
@@ -150,11 +147,7 @@ def require_motion(source: str, position: Array) -> None:
 
 
 def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError if much of a position's travel happens in jumps.
-
-    Args:
-        columns: without repeated rows, see `repairs.without_repeats`.
-    """
+    """Raise LogError if much of a position's travel, without repeated rows, happens in jumps."""
     for name, x in columns.items():
         held = name.rpartition(".")[2] in _SPEED_OF
         leapt = _travel_leapt(columns["time_s"], x) if held else 0.0

@@ -60,7 +60,7 @@ def known_of(report: Path, joint: str | None = None) -> Known:
 
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
-    """Compare each parameter of a known friction with new logs; LogError: see `estimate`."""
+    """Compare each parameter of a known friction with new logs."""
     return judged(known, [estimate(known, log) for log in logs])
 
 

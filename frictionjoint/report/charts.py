@@ -118,11 +118,8 @@ def _stages(report: Report, unchanged: str) -> list[tuple[str, Stage]]:
 def position_charts(
     report: Report, found: SimulatedPosition, times: tuple[float, float] | None, group: str
 ) -> tuple[Chart, Chart]:
-    """Measured and simulated position, and the error, over time.
-
-    Args:
-        times: first and last, s; None for the whole log.
-    """
+    """Measured and simulated position, and the error, over time between two `times`, s; None for
+    the whole log."""
     on = np.ones(len(found.time), dtype=bool)
     if times:
         on = (found.time >= times[0]) & (found.time <= times[1])

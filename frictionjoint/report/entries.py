@@ -110,11 +110,8 @@ class Ranked:
 
 @dataclass(frozen=True)
 class Looked:
-    """One step of the search, with all candidates, best first.
-
-    Attributes:
-        chosen: the effect that was added, runner_up: the next best; None if there is none.
-    """
+    """One step of the search: the effect that was added and the next best, None if there is none,
+    and all candidates, best first."""
 
     chosen: str | None
     runner_up: str | None

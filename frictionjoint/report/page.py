@@ -22,12 +22,8 @@ FILTERS = {
 
 
 def render(report: Report, content: Mapping[str, Any]) -> str:
-    """The page of one joint as text.
-
-    Args:
-        report: for the time series.
-        content: of report.json, the source of all figures and sentences.
-    """
+    """The page of one joint as text: all figures and sentences from report.json, time series from
+    the report."""
     s = summarise(content)
     stretch = charts.worst_stretch(report)
     position = charts.worst_position(report)

@@ -160,11 +160,8 @@ class RobotReport:
 
 
 def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:
-    """Errors as percentages of the rms of the drive on the same logs, averaged over joints.
-
-    Args:
-        pairs: error and drive of each joint.
-    """
+    """Errors as percentages of the rms of the drive on the same logs, averaged over joints, from
+    the two of each joint."""
 
     def mean(role: str) -> float | None:
         values = [(getattr(error, role), getattr(drive, role)) for error, drive in pairs]

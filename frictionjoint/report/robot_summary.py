@@ -90,11 +90,7 @@ class RobotSummary:
 
 
 def summarise_robot(content: Content) -> RobotSummary:
-    """Summarise the report of a robot.
-
-    Args:
-        content: of report.json, schema report-2.
-    """
+    """Summarise the report of a robot, report.json of schema report-2."""
     joints = {name: summarise(joint_content(content, name)) for name in content["joints"]}
     held = content["after"]["torque_percent"]["held_out"] is not None
     role = "held_out" if held else "fit"

@@ -113,11 +113,8 @@ class Summary:
 
 
 def summarise(content: Content) -> Summary:
-    """Summarise the report of one joint.
-
-    Args:
-        content: of report.json, schema report-1, or of one joint of report-2 with its logs.
-    """
+    """Summarise the report of one joint: report.json of schema report-1, or of one joint of
+    report-2 with its logs."""
     units = units_of(content)
     role = "held_out" if content["after"]["torque_rms"]["held_out"] is not None else "fit"
     laws = content["base"]["law"], content["after"].get("law", content["base"]["law"])

@@ -11,11 +11,8 @@ _MOST_NOTES = 5
 
 
 def summary_text(content: Mapping[str, Any]) -> str:
-    """The verdict, the friction numbers, the effects or causes, the most important notes.
-
-    Args:
-        content: of report.json, of one joint or of a robot.
-    """
+    """The verdict, the friction numbers, the effects or causes, and the most important notes in
+    report.json of one joint or of a robot."""
     if "joints" in content:
         return _robot_text(summarise_robot(content))
     s = summarise(content)

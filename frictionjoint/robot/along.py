@@ -175,11 +175,7 @@ class Along:
         return self.original.balanced(self.original.signals[:, A])
 
     def segment(self, like: Segment) -> Segment:
-        """A log with the load of the corrected model.
-
-        Args:
-            like: the same log with its present weights.
-        """
+        """A log, `like` with its present weights, with the load of the corrected model."""
         change = self.torque - self._believed + self.of_shafts()
         return self._loaded(like, change, self._armature)
 

@@ -17,11 +17,7 @@ from frictionjoint.robot.corrections import Shaft
 
 
 class CorrectedBody(RigidBody):
-    """A `RigidBody` of a corrected MJCF.
-
-    Args:
-        shafts: tendons of the MJCF that represent shafts.
-    """
+    """A `RigidBody` of a corrected MJCF, in which some tendons represent `shafts`."""
 
     def __init__(
         self,

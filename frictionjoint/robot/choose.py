@@ -256,11 +256,8 @@ def _justified(stack: Stack, row: _Row, now: Array) -> bool:
 
 
 def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, deviation: float) -> bool:
-    """Whether a candidate explains as much and returns compensating bodies to their nominal values.
-
-    Args:
-        deviation: their deviation from the model's values without it.
-    """
+    """Whether a candidate explains as much and returns compensating bodies, with their `deviation`
+    from the model's values without it, to their nominal values."""
     if not nearer(0.0, deviation) or not as_much(stack, row.left, now):
         return False
     return nearer(stack.deviation(np.concatenate([known, row.candidate.at])), deviation)

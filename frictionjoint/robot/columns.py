@@ -15,11 +15,8 @@ from frictionjoint.robot.stack import Columns, JointGram, joint_gram
 
 
 def own_effects(joint: FittedJoint, clock: Clock, own: Callable[[str], bool]) -> dict[str, Array]:
-    """Columns of each of the joint's own effects that explains some of its residual, by name.
-
-    Args:
-        own: whether an effect is wanted, by its label.
-    """
+    """Columns of each of the joint's own effects that explains some of its residual, by name; those
+    whose label is not wanted (`own`) are left out."""
     wanted = {e.name for e in CATALOGUE if own(effect_label(e.name, joint.name))}
     if not wanted:
         return {}
@@ -50,11 +47,8 @@ def law_columns(joint: FittedJoint) -> Array:
 
 
 def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:
-    """Gram matrices of a joint's columns, in units of its residual.
-
-    Args:
-        columns: shape (n, c). at: their indices in the stack.
-    """
+    """Gram matrices of a joint's columns, shape (n, c), in units of its residual; `at` are their
+    indices in the stack."""
     fitted = joint.fit
     unit = (fitted.weight / joint.left)[:, None]
     grams = joint_gram(

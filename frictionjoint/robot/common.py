@@ -20,12 +20,8 @@ from frictionjoint.robot.joint import FittedJoint
 
 @dataclass(frozen=True)
 class Common:
-    """One effect of all joints.
-
-    Attributes:
-        coefficients: relative to each joint's own friction level or viscosity, with their
-            covariance.
-    """
+    """One effect of all joints: coefficients relative to each joint's own friction level or
+    viscosity, with their covariance."""
 
     term: EffectTerm
     joints: tuple[str, ...]

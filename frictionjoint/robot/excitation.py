@@ -61,11 +61,8 @@ def next_trajectory(
 
 @dataclass(frozen=True)
 class _Robot:
-    """The joints of a model, and the limits of each, shape (joints,): range, speed, torque.
-
-    Attributes:
-        at, dofs: index of each joint's position and of its degree of freedom.
-    """
+    """The joints of a model: indices of their positions, their degrees of freedom, and limits of
+    range, speed and torque, shape (joints,)."""
 
     model: mujoco.MjModel
     joints: Sequence[FittedJoint]

@@ -11,11 +11,7 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class Found:
-    """Shared causes in a model, with their numbers.
-
-    Attributes:
-        original: the model without them.
-    """
+    """Shared causes in a model, with their numbers; `original` is the model without them."""
 
     original: Corrections = field(repr=False)
     causes: tuple[Cause, ...] = ()

@@ -65,11 +65,8 @@ class FittedJoint:
         return self.fit.residual if self.shift is None else self.fit.residual - self.shift
 
     def columns(self, pairs: Sequence[tuple[Corrections, Corrections, float]]) -> Array:
-        """Derivative of the torque by numbers, on the kept samples of all logs, shape (n, k).
-
-        Args:
-            pairs: corrections below and above each number's value, and their difference.
-        """
+        """Derivative of the torque by numbers, on the kept samples of all logs, shape (n, k), from
+        corrections below and above each number's value, and their difference."""
         if not pairs:
             return np.zeros((len(self.fit.residual), 0))
         rows = [

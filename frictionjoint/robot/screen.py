@@ -23,11 +23,8 @@ from frictionjoint.robot.stack import Columns, Stack
 
 @dataclass(frozen=True)
 class Screened:
-    """The stack and the meaning of its columns.
-
-    Attributes:
-        accepted: columns of the causes in the model. candidates: columns of possible additions.
-    """
+    """The stack and the meaning of its columns: of `accepted` causes in the model, and of
+    `candidates`."""
 
     stack: Stack
     accepted: tuple[Candidate, ...]

@@ -24,11 +24,8 @@ from frictionjoint.robot.settle import Settled
 def simpler(
     settled: Settled, causes: Sequence[Cause], common: Sequence[EffectTerm]
 ) -> Iterator[tuple[tuple[int, ...], tuple[Choice, ...]]]:
-    """Replace one or two causes of the model by causes with fewer numbers that explain as much.
-
-    Args:
-        causes, common: all candidates, and common effects that are.
-    """
+    """Replace one or two causes of the model by causes, or common effects, with fewer numbers that
+    explain as much."""
     found, left = settled.found, settled.squares_left()
     # effects of all joints alike come one at a time
     alike = () if settled.joints[0].common_effects else common

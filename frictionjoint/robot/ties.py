@@ -17,11 +17,8 @@ from frictionjoint.robot.settle import Settled
 
 
 def restated(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
-    """The evidence of the causes of a model, with the ties that remain of the earlier ones.
-
-    Args:
-        causes: all candidates.
-    """
+    """The evidence of the causes of a model, with those of the earlier ties among all `causes` that
+    remain."""
     found, joints, single_effects = settled.found, settled.joints, settled.single_effects
     left = settled.squares_left()
     there = {c.label for c in found.causes} | single_effects

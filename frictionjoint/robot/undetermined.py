@@ -14,11 +14,7 @@ from frictionjoint.robot.information import BaseParameters, Information, base_pa
 def undetermined(
     found: Information, friction: Mapping[str, Mapping[str, Estimate]]
 ) -> tuple[dict[str, Any], ...]:
-    """Rows with ``kind``, ``parameters`` and ``text``.
-
-    Args:
-        friction: parameters of each joint's law.
-    """
+    """Rows with ``kind``, ``parameters`` and ``text``; `friction` is the law of each joint."""
     base = base_parameters(found)
     unseen = _by_owner(found, base.unseen, "without effect", "no effect on these torques")
     rows = [*_sums(found, base), *unseen, *_loose(found, base)]

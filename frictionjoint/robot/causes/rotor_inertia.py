@@ -12,11 +12,8 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class RotorInertia(Cause):
-    """Number: what to add to the model's armature, kg m^2 (kg for a slide).
-
-    Attributes:
-        joint: name. armature: the model's; the sum is never negative.
-    """
+    """Number: what to add to the model's armature, kg m^2 (kg for a slide); the sum is never
+    negative."""
 
     joint: str
     armature: float

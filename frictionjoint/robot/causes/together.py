@@ -12,11 +12,8 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class Together(Cause):
-    """Numbers: those of each cause, in order.
-
-    Attributes:
-        members: the causes. where: key of their places in the report.
-    """
+    """Numbers: those of each of the members, in order; `where` is the key of their places in the
+    report."""
 
     members: tuple[Cause, ...]
     where: ClassVar[str]
