@@ -125,7 +125,6 @@ def models_of(model: list[str]) -> str | dict[str, str]:
 
 
 def paths_of(model: list[str]) -> list[Path]:
-    """Files of the MJCFs."""
     models = models_of(model)
     return [Path(x) for x in (models.values() if isinstance(models, dict) else [models])]
 
@@ -258,7 +257,6 @@ class LogPaths:
 
     @property
     def files(self) -> list[Path]:
-        """All files of logs."""
         return [*self.logs, *self.kept, *(x for own in self.joined.values() for x in own)]
 
 

@@ -52,7 +52,6 @@ def require_writable(
 
 
 def print_json(content: Any) -> None:
-    """Print a result for scripts."""
     typer.echo(json.dumps(content, indent=2))
 
 

@@ -12,7 +12,6 @@ class _PlainTypes:
     """A command whose help names the type of each parameter in one word."""
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """The parameters of the command."""
         found: list[Any] = super().get_params(ctx)  # type: ignore[misc]
         for parameter in found:
             # where this version of typer does not ask for them they change nothing

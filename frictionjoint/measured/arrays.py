@@ -95,7 +95,6 @@ def npz_names(path: Path) -> list[str]:
 
 
 def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    """Requested columns of an .npz file; 8 bytes per number."""
     with opened_npz(path) as archive:
         arrays = mujoco_sysid.signals(archive) or archive
         there = list(arrays)
@@ -106,7 +105,6 @@ def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
 
 
 def mat_names(path: Path) -> list[str]:
-    """Names of the variables in a .mat file."""
     try:
         if matlab.is_level_5(path):
             return matlab.variable_names(path)
@@ -116,7 +114,6 @@ def mat_names(path: Path) -> list[str]:
 
 
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    """Requested columns of a .mat file; 8 bytes per number."""
     sources = {name: whole(name) for name in names}
     wanted = sorted({*sources.values()})
     content: dict[str, Any]

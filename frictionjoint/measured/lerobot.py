@@ -186,7 +186,6 @@ def _episode(
 
 
 def _files(path: Path, info: dict[str, Any], episode: int) -> list[Path]:
-    """Files that may contain an episode's frames."""
     pattern = info.get("data_path")
     if isinstance(pattern, str) and "{episode_index" in pattern:
         size = info.get("chunks_size")

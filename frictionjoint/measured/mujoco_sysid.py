@@ -49,7 +49,6 @@ def signals(archive: Mapping[str, Array]) -> dict[str, Array] | None:
 
 
 def _names(archive: Mapping[str, Array], series: str) -> dict[str, list[int]]:
-    """Columns of each signal."""
     mapping = f"{series}signal_mapping"
     if mapping not in archive:
         return {}

@@ -52,7 +52,6 @@ def is_emps(names: list[str]) -> bool:
 
 
 def read_emps(path: Path) -> JointLog:
-    """Read the .mat file of the EMPS."""
     there = mat_names(path)
     scalars = [name for name in ("gtau", "kp", "kv") if name in there]
     raw = mat_columns(path, [*_EMPS, *scalars])

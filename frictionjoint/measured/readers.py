@@ -12,24 +12,11 @@ from types import NoneType
 from typing import Any
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured import lerobot, public_logs
 from frictionjoint.measured.arguments import expect
 from frictionjoint.measured.bam_json import read_bam_json
 from frictionjoint.measured.columns import check_names, driven_joints
-from frictionjoint.measured.lerobot import (
-    episode_of,
-    episodes_of,
-    is_lerobot,
-    joints_of_lerobot,
-    read_lerobot,
-)
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.public_logs import (
-    is_emps,
-    joints_of_folder,
-    read_emps,
-    read_folder,
-    read_odrive,
-)
 from frictionjoint.measured.rollout import is_rollout, joints_of_rollout, read_rollout
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
 from frictionjoint.measured.table import TABLES, column_names, read_table
@@ -82,8 +69,8 @@ def read_log(
         return special[0](path, joint, columns, units)
     kind = path.suffix.lower()
     if kind in TABLES and path.is_file():
-        if kind == ".mat" and not columns and is_emps(column_names(path)):
-            return read_emps(path)
+        if kind == ".mat" and not columns and public_logs.is_emps(column_names(path)):
+            return public_logs.read_emps(path)
         return read_table(path, joint, columns, signals, wrap, units, drop_nan)
     unknown = LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
     if not path.is_dir() and kind not in _KINDS:
@@ -93,11 +80,11 @@ def read_log(
             f"{path.name}: --column, --unit, --signal and --wrap apply only to {', '.join(TABLES)}"
         )
     if path.is_dir():
-        return read_folder(path, joint)
+        return public_logs.read_folder(path, joint)
     if kind == ".json":
         return read_bam_json(path, joint)
     if kind == ".npy":
-        return read_odrive(path)
+        return public_logs.read_odrive(path)
     raise unknown
 
 
@@ -106,8 +93,8 @@ def _of_joints(
 ) -> tuple[Callable[..., JointLog], Callable[..., list[str]]] | None:
     """Readers of a log and of its joints' names, for formats that hold all joints of a robot;
     LogError if there is no such log."""
-    if is_lerobot(path):
-        return read_lerobot, joints_of_lerobot
+    if lerobot.is_lerobot(path):
+        return lerobot.read_lerobot, lerobot.joints_of_lerobot
     if not path.exists():
         raise LogError(f"{path}: no such log, check the path")
     if is_bag(path):
@@ -124,12 +111,12 @@ def log_files(path: str | Path) -> list[Path]:
         LogError: a folder contains no log.
     """
     path = Path(path)
-    if is_lerobot(path):
-        numbers = episodes_of(path)
-        folder, _ = episode_of(path)
+    if lerobot.is_lerobot(path):
+        numbers = lerobot.episodes_of(path)
+        folder, _ = lerobot.episode_of(path)
         whole = folder == path and len(numbers) == 1
         return [path] if whole else [folder.with_name(f"{folder.name}#{i}") for i in numbers]
-    if not path.is_dir() or is_bag(path) or joints_of_folder(path):
+    if not path.is_dir() or is_bag(path) or public_logs.joints_of_folder(path):
         return [path]
     entries = (x for x in path.iterdir() if x.name not in _RESULTS)
     found = sorted(x for x in entries if x.suffix.lower() in _KINDS or is_bag(x))
@@ -167,7 +154,7 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
     if special := _of_joints(path, columns):
         return special[1](path, columns)
     if path.is_dir():
-        return list(joints_of_folder(path))
+        return list(public_logs.joints_of_folder(path))
     if path.suffix.lower() not in TABLES:
         return []
     names = column_names(path, columns)

@@ -94,7 +94,6 @@ def read_rollout(
 
 
 def joints_of_rollout(path: Path, columns: Mapping[str, str] | None) -> list[str]:
-    """Names of the joints."""
     return _read(path, columns).joints
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured import hdf5, parquet, text_table
+from frictionjoint.measured import hdf5, parquet, repairs, text_table, validate
 from frictionjoint.measured.arrays import mat_columns, mat_names, npz_columns, npz_names, whole
 from frictionjoint.measured.columns import (
     check_names,
@@ -26,22 +26,7 @@ from frictionjoint.measured.columns import (
 )
 from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.repairs import (
-    drive_notes,
-    unwrapped,
-    with_one_clock,
-    with_position,
-    without_lone_readings,
-    without_repeats,
-)
 from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
-from frictionjoint.measured.validate import (
-    check_columns,
-    check_leaps,
-    check_lengths,
-    check_moves,
-    check_rows,
-)
 
 TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat", *hdf5.ENDINGS)
 _Arrays = tuple[Callable[[Path], list[str]], Callable[[Path, list[str]], dict[str, Array]]]
@@ -145,7 +130,7 @@ def log_of(
         return {k if k in unprefixed or "." in k else prefix + k: x for k, x in columns.items()}
 
     if drop_nan:
-        check_lengths(path.name, shown(data))
+        validate.check_lengths(path.name, shown(data))
         empty = np.logical_or.reduce([np.isnan(x) for x in data.values()])
         kept = np.flatnonzero(~empty)
         data = {name: x[kept] for name, x in data.items()}
@@ -160,18 +145,18 @@ def log_of(
         place = i if kept is None else int(kept[i])
         return text_table.line_of(path, place) if text else place + 1
 
-    data["time_s"], runs = with_one_clock(data["time_s"])
-    check_rows(path.name, shown(data), row)
-    data, integrated = with_position(data)
-    data, lone = without_lone_readings(data)
-    data, notes = unwrapped(path.name, data, wrap)
-    check_columns(path.name, shown(data), row)
+    data["time_s"], runs = repairs.with_one_clock(data["time_s"])
+    validate.check_rows(path.name, shown(data), row)
+    data, integrated = repairs.with_position(data)
+    data, lone = repairs.without_lone_readings(data)
+    data, notes = repairs.unwrapped(path.name, data, wrap)
+    validate.check_columns(path.name, shown(data), row)
     own = {name: x for name, x in data.items() if "." not in name}
-    check_moves(path.name, shown(own))
-    data, more = without_repeats(data)
+    validate.check_moves(path.name, shown(own))
+    data, more = repairs.without_repeats(data)
     own = {name: x for name, x in data.items() if "." not in name}
-    check_leaps(path.name, shown(own))
-    said = runs + integrated + lone + notes + more + drive_notes(own)
+    validate.check_leaps(path.name, shown(own))
+    said = runs + integrated + lone + notes + more + repairs.drive_notes(own)
     notes = (*dropped, *(f"{path.stem}: {note}" for note in said))
 
     def others(quantity: str) -> dict[str, Array]:

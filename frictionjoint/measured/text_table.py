@@ -42,7 +42,6 @@ def units_row(path: Path) -> tuple[int, dict[str, str]]:
 
 
 def notes(path: Path) -> tuple[str, ...]:
-    """Notes on how the file was read."""
     layout = layout_of(path)
     if layout.title <= 1 or not layout.skipped:
         return ()

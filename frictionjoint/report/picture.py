@@ -43,7 +43,6 @@ def draw(report: Report) -> Figure:
 
 
 def draw_charts(rows: Sequence[charts.Chart], title: str) -> Figure:
-    """Draw charts below each other."""
     with rc_context(_STYLE):
         heights = [_ROW * (0.6 if c.low else 1.0) for c in rows]
         figure = Figure(figsize=(_WIDE, sum(heights)), layout="constrained")
@@ -75,7 +74,6 @@ def draw_robot(report: RobotReport) -> Figure:
 
 
 def draw_chart(axes: Axes, chart: charts.Chart) -> None:
-    """Draw a chart into axes."""
     for s in chart.series:
         if s.kind == "points":
             axes.plot(

@@ -80,7 +80,6 @@ class SharedCause:
     joints: dict[str, tuple[Rms, Rms]]
 
     def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
         errors = {
             name: {"before": {"torque_rms": before}, "after": {"torque_rms": after}}
             for name, (before, after) in self.joints.items()
@@ -150,7 +149,6 @@ class RobotReport:
         return "explained" if found <= {"explained", "no-effect-found"} else "partly-explained"
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of report.json."""
         names = ("logs", "joints", "failed", "shared", "before", "after", "undetermined")
         joints = {name: joint.in_robot() for name, joint in self.joints.items()}
         own = {name: getattr(self, name) for name in names} | {"joints": joints}

@@ -103,7 +103,6 @@ class Summary:
         return f"the {1.0 - self.at_rest:.0%} of the samples in which the joint moves"
 
     def error(self, quantity: str, stage: Stage) -> ErrorRow | None:
-        """A row of the errors, if it is stated."""
         rows = (e for e in self.errors if e.quantity == quantity and e.stage == stage)
         return next(rows, None)
 

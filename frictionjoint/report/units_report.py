@@ -30,7 +30,6 @@ class Spread:
 
     @property
     def mean(self) -> float:
-        """Mean over units."""
         return float(np.mean([x.value for x in self.of_unit.values()]))
 
     @property
@@ -48,7 +47,6 @@ class Spread:
         return root_mean_square(np.array(known)) if len(known) == len(errors) else None
 
     def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
         return {
             "of": self.owner,
             "parameter": self.name,
@@ -103,7 +101,6 @@ class UnitsReport:
         return tuple(found)
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of report.json."""
         return {
             "schema": SCHEMA,
             "units": content_of(self.units),

@@ -51,7 +51,6 @@ class Along:
 
     @cached_property
     def dof(self) -> int:
-        """Degree of freedom of the joint."""
         return int(self.model.jnt_dofadr[self.body.joint_id])
 
     @property
@@ -61,7 +60,6 @@ class Along:
 
     @cached_property
     def tree(self) -> Tree:
-        """Topology of the model."""
         return Tree(self.model)
 
     @cached_property

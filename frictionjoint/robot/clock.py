@@ -43,11 +43,9 @@ class Clock:
 
     @property
     def count(self) -> int:
-        """Number of blocks."""
         return len(self.log)
 
     def blocks(self, joint: FittedJoint) -> Blocks:
-        """Blocks of one joint's samples."""
         return Blocks(
             self.of_sample(joint), self.fold, self.log, self.log, np.zeros(self.log.max() + 1)
         )

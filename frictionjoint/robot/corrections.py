@@ -64,7 +64,6 @@ class Shaft:
         return np.asarray(self.sin * np.sin(angle) + self.cos * np.cos(angle))
 
     def per_turn(self, joint: str) -> float:
-        """Turns of the shaft per turn of a joint."""
         return dict(zip(self.joints, (1.0, self.ratio), strict=True)).get(joint, 0.0)
 
 

@@ -46,7 +46,6 @@ class State:
     shafts: tuple[Shaft, ...] = ()
 
     def body(self, joint: str, fixed: Mapping[str, Pose] | None) -> RigidBody:
-        """The rigid body around a joint."""
         return CorrectedBody(self.mjcf, joint, fixed, self.shafts)
 
 

@@ -92,7 +92,6 @@ def _size(model: mujoco.MjModel, body: int) -> float:
 
 
 def information(joints: Sequence[FittedJoint], moving: Sequence[str]) -> Information:
-    """Information of the logs of some joints."""
     model = joints[0].alongs[0].model
     names = [j.name for j in joints]
     parameters = parameters_of(model, names, moving)

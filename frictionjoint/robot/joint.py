@@ -56,7 +56,6 @@ class FittedJoint:
 
     @property
     def name(self) -> str:
-        """Name of the joint."""
         return self.prepared.joint
 
     @property

@@ -35,7 +35,6 @@ class Cause(ABC):
 
     @property
     def label(self) -> str:
-        """Name and place."""
         place = ", ".join(self.place.values())
         return f"{self.name} of {place}" if place else self.name
 
