@@ -143,13 +143,8 @@ def each_log(
 
 
 def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of the joints with a logged drive; none if the columns name no joint.
-
-    Args:
-        path, columns: see `read_log`.
-    Raises:
-        LogError: see `read_log`.
-    """
+    """Names of the joints with a logged drive; none if the columns name no joint. Arguments and
+    errors as those of `read_log`."""
     path = Path(path)
     if special := _of_joints(path, columns):
         return special[1](path, columns)

@@ -20,15 +20,11 @@ from frictionjoint.measured.arrays import one_line
 
 @dataclass(frozen=True)
 class DataSet:
-    """Logs from one source.
+    """Logs from one source: its page, what was measured, its licence as its authors state it.
 
     Attributes:
         name: argument of `get_data`, and name of its folder in a local copy.
-        title: what was measured, by whom.
-        licence: as its authors state it.
-        source: page of the repository.
-        address: of the folder with the files, including the commit.
-        files: name -> sha256.
+        address: of the folder with the files, including the commit. files: name -> sha256.
         logs: arguments of `read_log`, relative to the folder; ``.`` is the folder itself.
     """
 

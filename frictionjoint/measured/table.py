@@ -47,16 +47,7 @@ def read_table(
     units: Mapping[str, str] | None = None,
     drop_nan: bool = False,
 ) -> JointLog:
-    """Read one joint from a table.
-
-    Args:
-        columns: our column name -> name in the file, for files with other names.
-        signals: further columns to read. wrap: range at which positions wrap, rad (m).
-        units: unit by quantity, for quantities not in SI units, see `units`.
-        drop_nan: leave out rows with an empty cell or NaN, with a note.
-    Raises:
-        LogError: see `validate`; also unknown columns or joints.
-    """
+    """Read one joint from a table; arguments and errors as those of `read_log`."""
     table = check_names(path.name, column_names(path, columns), dict(columns or {}))
     joint = joint_of(path.name, table, joint)
     wanted = choose(path.name, table, joint)

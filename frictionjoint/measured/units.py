@@ -98,14 +98,8 @@ def check_units(units: Mapping[str, str]) -> None:
 
 
 def converted(source: str, name: str, x: Array, units: Mapping[str, str]) -> Array:
-    """A column in SI units, shape (n,).
-
-    Args:
-        source: file name for the message. name: our column name, a joint's prefix allowed.
-        units: unit by quantity.
-    Raises:
-        LogError: the unit is not one of this quantity.
-    """
+    """A column in SI units, shape (n,), by our column name, a joint's prefix allowed; LogError if
+    the unit is not one of this quantity."""
     unit = unit_of(name, units)
     if unit is None:
         return x

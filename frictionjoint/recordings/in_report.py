@@ -31,13 +31,10 @@ _MEASURED = {
 def with_recordings(
     report: "Report", logs: Sequence[JointLog], fixed: Mapping[str, Pose] | None = None
 ) -> "Report":
-    """Add the differences of parameters between recordings to a report and to its samples.
+    """Add the differences of parameters between three or more recordings to a report and its samples.
 
     Recordings of target and position get the drive of the controller that the report found. Where
     nothing can be compared a note says why.
-
-    Args:
-        logs: recordings; with fewer than three, the report is unchanged.
     """
     if len(logs) < FEWEST:
         return report

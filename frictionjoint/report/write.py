@@ -22,7 +22,7 @@ def write_files(folder: Path, contents: Contents, checks: Checks | None = None) 
 
     Args:
         checks: by name of a file: called with the path of the finished file, before it is renamed,
-            in the folder itself or one next to it; an exception leaves nothing new.
+            in the folder itself or one next to it.
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
     """

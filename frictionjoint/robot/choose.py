@@ -144,8 +144,7 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
             of single joints are not kept, because they would compensate for the harm of a cause.
         without: the model without each cause.
     Returns:
-        index of each, and the ratio of the sums of squares without and with it to first order, by
-            joint, (J,).
+        index of each, and the ratio of the sums of squares without and with it, by joint, (J,).
     """
     now, found = _left_by_robot(screened), []
     for i, rest in enumerate(without):

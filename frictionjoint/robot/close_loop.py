@@ -48,12 +48,8 @@ from frictionjoint.threads import one_thread
 
 @dataclass(frozen=True)
 class Options:
-    """How logs are analysed, see `commands.close_loop`.
-
-    Attributes:
-        scheduler: address of a Dask scheduler whose workers analyse the joints of a robot instead
-            of `jobs` processes.
-    """
+    """How logs are analysed, see `commands.close_loop`; a Dask scheduler at an address analyses the
+    joints of a robot with its workers, in place of `jobs` processes."""
 
     seed: int = 0
     progress: Callable[[str], None] = lambda text: None

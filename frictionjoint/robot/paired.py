@@ -14,13 +14,10 @@ from frictionjoint.report.entries import Interval
 
 
 def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:
-    """95% interval of the difference of two rms errors, over blocks of time.
+    """95% interval of the difference of two rms errors on the same samples of logs, shape (n,).
 
-    Blocks span several correlation times of the difference of the squared errors, if the log is
-    long enough.
-
-    Args:
-        before, after: errors on the same samples, shape (n,). log_index: log of each.
+    Blocks of time span several correlation times of the difference of the squared errors, if the
+    log is long enough.
     """
     difference = after**2 - before**2
     sums, counts = [], []

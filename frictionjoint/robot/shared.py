@@ -57,9 +57,7 @@ def shared_causes(
 
     Args:
         joints: with their laws fitted with the user's model. moving: joints with logged motion.
-        each: a `map`, perhaps over processes.
-        seed: for sign flips and halves; equal seeds give equal results.
-        progress: called with a description of the current step.
+        each: a `map`, perhaps over processes. seed: for sign flips and halves.
     """
     rng = np.random.default_rng(seed)
     model = joints[0].alongs[0].model

@@ -14,13 +14,8 @@ from frictionjoint.robot.logs import RobotLogs
 def close_loop_units(
     units: Mapping[str, RobotLogs], model: str | Path | Mapping[str, str | Path], how: Options
 ) -> UnitsReport:
-    """`close_loop_robot` for each unit; a unit without a result does not stop the others.
-
-    Args:
-        units: logs by the unit's name. model: path or text of the MJCF or URDF of all units.
-    Raises:
-        LogError: no unit has a result.
-    """
+    """`close_loop_robot` for the logs of each unit; a unit without a result does not stop the
+    others. LogError if none has a result."""
     found: dict[str, RobotReport] = {}
     failed: dict[str, str] = {}
     for name, logs in units.items():
