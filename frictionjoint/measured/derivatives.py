@@ -26,12 +26,8 @@ LEAST_HZ = 5.0
 
 @dataclass(frozen=True)
 class Derivatives:
-    """Smooth motion on a uniform grid, each of shape (n,).
-
-    Attributes:
-        time: s. position, velocity, acceleration: rad, rad/s, rad/s^2 (m ...).
-        bandwidth_hz: corner of the filter, at which half of the amplitude passes.
-    """
+    """Smooth motion on a uniform grid, each of shape (n,), in s, rad, rad/s and rad/s^2 (m ...);
+    half of the amplitude passes the filter at `bandwidth_hz`."""
 
     time: Array
     position: Array
@@ -42,12 +38,8 @@ class Derivatives:
 
 @dataclass(frozen=True)
 class MotionBand:
-    """Frequency bands of a motion, Hz.
-
-    Attributes:
-        main: 99% of the velocity's power is below.
-        whole: the position exceeds the noise below this frequency; at least 5 Hz.
-    """
+    """Frequency bands of a motion, Hz: 99% of the velocity's power is below `main`, and the
+    position exceeds the noise below `whole`, at least 5 Hz."""
 
     main: float
     whole: float

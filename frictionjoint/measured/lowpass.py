@@ -21,11 +21,8 @@ from frictionjoint.compiled import compiled, pointer
 
 
 class Spectrum(NamedTuple):
-    """Spectrum of signals without the line through their ends.
-
-    Attributes:
-        values: shape (logs, rows, frequencies). ends: first and last value, shape (logs, rows, 2).
-    """
+    """Spectrum of signals, shape (logs, rows, frequencies), without the line through their first
+    and last values, `ends`, shape (logs, rows, 2)."""
 
     values: NDArray[np.complex128]
     ends: Array

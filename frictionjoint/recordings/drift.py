@@ -28,13 +28,8 @@ State = Literal["confirmed", "changed", "not resolvable"]
 
 @dataclass(frozen=True)
 class Drift:
-    """A parameter in a report and in new logs.
-
-    Attributes:
-        number: its name. before, now: its value in the report and in the new logs.
-        stderr: of the difference. state: see the module; if it is "not resolvable", `now` and
-            `stderr` are None.
-    """
+    """A parameter in a report and in new logs, with the standard error of the difference. A state
+    that is "not resolvable" has neither that nor a value now."""
 
     number: str
     before: float

@@ -31,7 +31,7 @@ _MEASURED = {
 def with_recordings(
     report: "Report", logs: Sequence[JointLog], fixed: Mapping[str, Pose] | None = None
 ) -> "Report":
-    """Add the differences of parameters between three or more recordings to a report and its samples.
+    """Add the differences between three or more recordings to a report and to its samples.
 
     Recordings of target and position get the drive of the controller that the report found. Where
     nothing can be compared a note says why.

@@ -66,12 +66,8 @@ class Excitation:
 
 @dataclass(frozen=True)
 class SharedCause:
-    """A cause in the model that acts on several joints.
-
-    Attributes:
-        place: body or joints where it is, by key.
-        joints: torque errors of the joints where it acts, without and with it.
-    """
+    """A cause in the model that acts on several joints: body or joints where it is, by key, and
+    torque errors of the joints where it acts, without and with it."""
 
     cause: str
     place: dict[str, str]
@@ -90,12 +86,8 @@ class SharedCause:
 
 @dataclass(frozen=True)
 class RobotErrors:
-    """Errors of the robot.
-
-    Attributes:
-        torque_percent: of each joint's rms torque, averaged over joints.
-        replay_rms: position error of free runs of all joints together, rad (m).
-    """
+    """Errors of the robot: torque in per cent of each joint's rms torque, averaged over joints, and
+    position of free runs of all joints together, rms, rad (m)."""
 
     torque_percent: Rms
     replay_rms: Rms

@@ -51,12 +51,8 @@ class State:
 
 @dataclass(frozen=True)
 class Task:
-    """One joint, its logs and how they are analysed.
-
-    Attributes:
-        user: the user's model. controller: for logs without a torque.
-        refine, ends: see `diagnose.close_loop`.
-    """
+    """One joint, its logs and how they are analysed with the user's model; the controller is for
+    logs without a torque, refine and ends are those of `diagnose.close_loop`."""
 
     joint: str
     logs: list[JointLog]

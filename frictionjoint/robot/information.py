@@ -24,11 +24,8 @@ from frictionjoint.robot.joint import FittedJoint
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of the rigid body: one of a link's ten, or a rotor's inertia.
-
-    Attributes:
-        owner: body or joint. name: of the parameter. size: its scale, SI units.
-    """
+    """A parameter of the rigid body: one of the ten of a link, or a rotor's inertia of a joint,
+    which owns it; `size` is its scale, SI units."""
 
     owner: str
     name: str
@@ -37,12 +34,8 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Information:
-    """Information of some logs.
-
-    Attributes:
-        parameters: of all links and rotors. gram: of their scaled columns in units of the fits'
-            residuals, shape (k, k).
-    """
+    """Information of some logs: Gram matrix, shape (k, k), of the scaled columns of the parameters
+    of all links and rotors, in units of the fits' residuals."""
 
     parameters: tuple[Parameter, ...]
     gram: Array = field(repr=False)

@@ -32,12 +32,8 @@ from frictionjoint.robot.workers import Each
 
 @dataclass(frozen=True)
 class Shared:
-    """Outcome of the search.
-
-    Attributes:
-        settled: causes with their numbers, and the joints under them. choices: one per cause.
-        common: effects common to all joints, part of each joint's own model, with their evidence.
-    """
+    """Outcome of the search: causes with their numbers, and the joints under them; the evidence of
+    each; and effects common to all joints, part of each joint's own model, with theirs."""
 
     settled: Settled
     choices: tuple[Choice, ...]
