@@ -24,6 +24,7 @@ from frictionjoint.cli.logs import (
     reads_logs,
 )
 from frictionjoint.cli.output import Force, Json, Open, open_page, print_json, require_writable
+from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.cli.terminal import console, progress, show_report, show_table
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.law.names import LAWS
@@ -31,29 +32,24 @@ from frictionjoint.law.names import LAWS
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     from frictionjoint.report.units_report import UnitsReport
 
-Logs = Annotated[
-    list[Path] | None, typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --robot.")
-]
+Logs = Annotated[list[Path] | None, argument("LOG", f"{LOG_FORMATS} None with --robot.")]
 Law = Annotated[str | None, typer.Option(help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")]
 Seed = Annotated[
-    int,
-    typer.Option(
-        min=0, metavar="INTEGER", help="Seed of the random tests. Equal seeds give equal reports."
-    ),
+    int, option("INTEGER", "Seed of the random tests. Equal seeds give equal reports.", min=0)
 ]
 
 
 @reads_logs("gain", "signal", "fixed", "controller")
 def close_loop_command(
     model: Model,
-    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Folder for the report.")],
+    out: Annotated[Path, option("FOLDER", "Folder for the report.")],
     logs: Logs = None,
     joint: Joints = None,
     held_out: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="LOG|FRACTION",
-            help="A log to hold out, or the fraction of each log to hold out, at its end. "
+        option(
+            "LOG|FRACTION",
+            "A log to hold out, or the fraction of each log to hold out, at its end. "
             "Repeatable. Default: 0.25.",
         ),
     ] = None,
@@ -71,17 +67,17 @@ def close_loop_command(
     options: LogOptions = NO_OPTIONS,
     robot: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="NAME=LOG",
-            help="A log of one of several robots of one kind, instead of LOG. Repeatable, also for "
+        option(
+            "NAME=LOG",
+            "A log of one of several robots of one kind, instead of LOG. Repeatable, also for "
             "the same robot.",
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Dask scheduler, tcp://HOST:PORT. Its workers analyse the joints of a robot; the "
+        option(
+            "ADDRESS",
+            "Dask scheduler, tcp://HOST:PORT. Its workers analyse the joints of a robot; the "
             "result is the same.",
         ),
     ] = None,

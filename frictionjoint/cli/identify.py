@@ -18,15 +18,13 @@ from frictionjoint.cli.logs import (
     the_joint,
 )
 from frictionjoint.cli.output import Force, Json, print_json, require_writable
+from frictionjoint.cli.plain_help import option
 from frictionjoint.cli.terminal import console, progress, show_estimates
 from frictionjoint.law.names import LAWS
 
 Joint = Annotated[
     str | None,
-    typer.Option(
-        metavar="NAME",
-        help="A joint in the model and in the logs. Default: the model's only joint.",
-    ),
+    option("NAME", "A joint in the model and in the logs. Default: the model's only joint."),
 ]
 Law = Annotated[str, typer.Option(help=LAW_TO_FIT)]
 
@@ -35,7 +33,7 @@ Law = Annotated[str, typer.Option(help=LAW_TO_FIT)]
 def identify(
     logs: Logs,
     model: Model,
-    out: Annotated[Path, typer.Option(metavar="TOML", help="Parameter file to write.")],
+    out: Annotated[Path, option("TOML", "Parameter file to write.")],
     joint: Joint = None,
     law: Law = LAWS[0],
     options: LogOptions = NO_OPTIONS,

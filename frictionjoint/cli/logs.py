@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.errors import NO_JOINT, FrictionJointError, LogError, ModelError
 from frictionjoint.law.names import LAWS
 
@@ -22,46 +23,41 @@ LOG_FORMATS = (
 )
 LAW_TO_FIT = f"Friction law to fit: {', '.join(LAWS)}."
 
-Logs = Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)]
+Logs = Annotated[list[Path], argument("LOG", LOG_FORMATS)]
 Joints = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="NAME",
-        help="A joint in the model and in the logs. Repeatable. Default: all joints whose drive "
+    option(
+        "NAME",
+        "A joint in the model and in the logs. Repeatable. Default: all joints whose drive "
         "the logs contain.",
     ),
 ]
-ReportJoint = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Joint, if the report is of a robot.")
-]
+ReportJoint = Annotated[str | None, option("NAME", "Joint, if the report is of a robot.")]
 Columns = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="OURS=THEIRS",
-        help="Column of your file, e.g. time_s=t; in a file without a header its number, from 1. "
+    option(
+        "OURS=THEIRS",
+        "Column of your file, e.g. time_s=t; in a file without a header its number, from 1. "
         "time_s=500Hz: a sample rate instead of a column of times. Repeatable.",
     ),
 ]
 Signals = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="NAME",
-        help="A column that friction may depend on, e.g. a normal load. Repeatable.",
-    ),
+    option("NAME", "A column that friction may depend on, e.g. a normal load. Repeatable."),
 ]
 Wrap = Annotated[
     float | None,
-    typer.Option(
-        metavar="RANGE",
-        help="Range at which positions wrap, rad (m). Wraps at one turn and at 25 rad are detected "
+    option(
+        "RANGE",
+        "Range at which positions wrap, rad (m). Wraps at one turn and at 25 rad are detected "
         "without this option.",
     ),
 ]
 Units = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="QUANTITY=UNIT",
-        help="Unit of a quantity that is not in SI units: position=deg, time=ms, "
+    option(
+        "QUANTITY=UNIT",
+        "Unit of a quantity that is not in SI units: position=deg, time=ms, "
         "position=counts:4096 (per turn), or torque=-0.05, the factor to SI. Repeatable.",
     ),
 ]
@@ -74,16 +70,13 @@ Join = Annotated[
 ]
 Gain = Annotated[
     float | None,
-    typer.Option(
-        metavar="NUMBER",
-        help="Motor constant, N m per A or per V. Default: estimated from the load.",
-    ),
+    option("NUMBER", "Motor constant, N m per A or per V. Default: estimated from the load."),
 ]
 Fixed = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="JOINT=VALUE",
-        help="Position of a joint that the logs do not contain, rad or m; x,y,z,qw,qx,qy,qz of a "
+    option(
+        "JOINT=VALUE",
+        "Position of a joint that the logs do not contain, rad or m; x,y,z,qw,qx,qy,qz of a "
         "floating base. Repeatable.",
     ),
 ]
@@ -98,18 +91,18 @@ DropNan = Annotated[
 ]
 ControllerFile = Annotated[
     str | None,
-    typer.Option(
-        metavar="FILE|PRESET|mjcf",
-        help="Controller that moved the joints to their targets: a TOML file, with a table "
+    option(
+        "FILE|PRESET|mjcf",
+        "Controller that moved the joints to their targets: a TOML file, with a table "
         "[joint.NAME] for a joint that differs; or xl330, sts3215, unitree, mit; or mjcf, the "
         "position servos of the MJCF. Required if the logs contain target and position only.",
     ),
 ]
 Model = Annotated[
     list[str],
-    typer.Option(
-        metavar="MJCF",
-        help="MJCF or URDF of the robot without friction. With several loads, one PATTERN=MJCF per "
+    option(
+        "MJCF",
+        "MJCF or URDF of the robot without friction. With several loads, one PATTERN=MJCF per "
         "load; the pattern matches the names of the logs. Repeatable.",
     ),
 ]
