@@ -104,9 +104,8 @@ def close_loop_command(
     --model arm.urdf --out out`
     """
     from frictionjoint.report.folder import FILES, write_report, write_units_report
-    from frictionjoint.robot.close_loop import Options, close_loop_logs
+    from frictionjoint.robot.close_loop import Options, close_loop_logs, close_loop_units
     from frictionjoint.robot.logs import RobotLogs
-    from frictionjoint.robot.units import close_loop_units
 
     if not (logs or robot):
         raise LogError("no log: give one or more, or robots with --robot NAME=LOG")

@@ -8,6 +8,7 @@ over the band in which torques are balanced, so that the balance, which passes a
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import Akima1DInterpolator
 from scipy.special import gammaincinv
 
@@ -158,3 +159,21 @@ def on_a_grid(log: JointLog) -> tuple[Array, Array, float]:
     dt = float(log.time[-1] - log.time[0]) / (n - 1)
     time = log.time[0] + dt * np.arange(n)
     return time, uniform_motion(log.time, log.position, time), dt
+
+
+def speed_note(log: JointLog) -> tuple[str, ...]:
+    """A note if the velocity is not the derivative of the position; empty if it is."""
+    if log.velocity is None:
+        return ()
+    integral = cumulative_trapezoid(log.velocity, log.time, initial=0.0)
+    # over 0.1 s encoder counts average out
+    width = max(1, round(0.1 * (len(log.time) - 1) / log.duration))
+    said, moved = (np.diff(x[::width]) for x in (integral, log.position))
+    power, common, slopes = float(said @ said), float(said @ moved), float(moved @ moved)
+    # only a correlation above 0.95 is sure, and only a ratio 5% off is stated
+    if common**2 <= 0.9 * power * slopes or abs(common / power - 1.0) <= 0.05:
+        return ()
+    return (
+        f"{log.name}: the measured velocity is {power / common:.3g} times the slope of the "
+        "position; the slope is used.",
+    )

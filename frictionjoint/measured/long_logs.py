@@ -13,8 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.measured.derivatives import motion_band, on_a_grid
-from frictionjoint.measured.gaps import split_at_gaps
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.log import JointLog, split_at_gaps
 
 # Total rows of a fit, which needs about 8 kB and a constant time per row: at this limit half a
 # minute and 1 GB.

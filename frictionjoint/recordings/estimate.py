@@ -36,8 +36,7 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.measured.derivatives import motion_band, on_a_grid, position_noise
-from frictionjoint.measured.gaps import split_at_gaps
-from frictionjoint.measured.log import DRIVES, JointLog
+from frictionjoint.measured.log import DRIVES, JointLog, split_at_gaps
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.parameters import Friction

@@ -205,7 +205,7 @@ class Report:
         return {"closed_loop_mae": found.mae, "closed_loop_rms": found.rms} if found else {}
 
     def _repr_html_(self) -> str:
-        from frictionjoint.report.notebook import report_html
+        from frictionjoint.report.picture import report_html
 
         return report_html(self)
 

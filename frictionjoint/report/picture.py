@@ -1,17 +1,21 @@
-"""Charts drawn with matplotlib, for `Report.plot` and notebooks."""
+"""Charts drawn with matplotlib: `Report.plot`, and a report in Jupyter."""
 
 import io
 import math
+from base64 import b64encode
 from collections.abc import Sequence
+from html import escape
 from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from frictionjoint.display import table
 from frictionjoint.report import charts
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.robot_report import RobotReport
+from frictionjoint.report.summary import summarise
 
 COLOURS = {"measured": "#8a8f94", "target": "#7570b3", "before": "#d95f02", "after": "#1b9e77"}
 _LAWS = "#1b9e77 #d95f02 #7570b3 #e7298a #66a61e #e6ab02 #a6761d #666666"
@@ -94,3 +98,13 @@ def draw_chart(axes: Axes, chart: charts.Chart) -> None:
     axes.set_ylabel(chart.y_label)
     axes.ticklabel_format(scilimits=(-4, 5))
     axes.legend(fontsize=8, ncols=math.ceil(len(chart.series) / 2))
+
+
+def report_html(report: Report) -> str:
+    """Verdict, friction numbers and picture as HTML without a style sheet that loads nothing."""
+    s = summarise(report.to_dict())
+    lines = "".join(f"<p><b>{escape(k)}:</b> {escape(text)}</p>" for k, text in s.verdict_lines)
+    rows = [(x.meaning, x.qualified) for x in s.friction]
+    numbers = table(f"friction of joint {report.joint}", ("", "value"), rows)
+    image = b64encode(picture(draw(report), "png")).decode()
+    return f'{lines}{numbers}<img style="max-width: 60rem" src="data:image/png;base64,{image}">'

@@ -31,12 +31,12 @@ from frictionjoint.report.robot_report import (
     mean_percent,
     notes_of,
 )
-from frictionjoint.robot.causes.cause import composed
+from frictionjoint.report.units_report import UnitsReport
+from frictionjoint.robot.causes.cause import Found, composed
 from frictionjoint.robot.corrections import write_corrections
 from frictionjoint.robot.exchanged import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
 from frictionjoint.robot.explain import Corrected, Explained, Fitted, State, Task, explain_joint
-from frictionjoint.robot.found import Found
 from frictionjoint.robot.information import information
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import Place, RobotLogs, by_place
@@ -279,3 +279,24 @@ def _error(slope: Array, cov: Array) -> float | None:
     at = np.flatnonzero(slope)
     variance = float(slope[at] @ cov[np.ix_(at, at)] @ slope[at])
     return float(np.sqrt(max(0.0, variance))) if np.isfinite(variance) else None
+
+
+def close_loop_units(
+    units: Mapping[str, RobotLogs], model: str | Path | Mapping[str, str | Path], how: Options
+) -> UnitsReport:
+    """`close_loop_robot` for the logs of each unit; a unit without a result does not stop the
+    others. LogError if none has a result."""
+    found: dict[str, RobotReport] = {}
+    failed: dict[str, str] = {}
+    for name, logs in units.items():
+
+        def say(text: str, unit: str = name) -> None:
+            how.progress(f"{unit}: {text}")
+
+        try:
+            found[name] = close_loop_robot(logs, model, replace(how, progress=say))
+        except FrictionJointError as error:
+            failed[name] = str(error)
+    if not found:
+        raise LogError(next(iter(failed.values())))
+    return UnitsReport(found, failed)

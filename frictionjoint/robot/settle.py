@@ -12,10 +12,10 @@ import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.choose import Choice
 from frictionjoint.robot.clock import Clock, clock
 from frictionjoint.robot.descend import descended
-from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.workers import Each

@@ -15,12 +15,11 @@ from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
-from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.choose import Choice, choose, idle
 from frictionjoint.robot.common import Common, common_terms
 from frictionjoint.robot.compare import nearer
 from frictionjoint.robot.corrections import Corrections
-from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import Settled, settle

@@ -6,11 +6,11 @@ from arms.arm import hide_mass, hide_payload, random_arm
 from arms.fitted import fitted_joints
 
 from frictionjoint.robot.causes.body_inertia import BodyInertia
+from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.clock import clock
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.descend import descended
-from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 
 
