@@ -54,26 +54,12 @@ class Chart:
     low: bool = False
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """A stretch of a log shown in detail: its curve and samples."""
-
-    curve: Curve
-    window: slice
-
-    @property
-    def times(self) -> tuple[float, float]:
-        """First and last time, s."""
-        time = self.curve.time[self.window]
-        return float(time[0]), float(time[-1])
-
-
-def worst_stretch(report: Report) -> Stretch:
-    """The stretch of a held-out log (else of a fitted one) with the largest error of the drive."""
+def worst_stretch(report: Report) -> tuple[Curve, slice]:
+    """The held-out log (else a fitted one) and its samples with the largest error of the drive."""
     curves = [c for c in report.curves if c.role == "held-out"] or list(report.curves)
     found = [_worst(c.time, np.where(c.in_motion, c.measured - c.after, np.nan)) for c in curves]
     k = int(np.argmax([error for _, error in found]))
-    return Stretch(curves[k], found[k][0])
+    return curves[k], found[k][0]
 
 
 def _worst(time: Array, error: Array) -> tuple[slice, float]:
@@ -91,9 +77,10 @@ def _worst(time: Array, error: Array) -> tuple[slice, float]:
     return best
 
 
-def drive_charts(report: Report, s: Stretch, group: str, before: bool) -> tuple[Chart, Chart]:
-    """Measured and predicted drive, and the error, over time."""
-    c, w = s.curve, s.window
+def drive_charts(
+    report: Report, c: Curve, w: slice, group: str, before: bool
+) -> tuple[Chart, Chart]:
+    """Measured and predicted drive, and the error, over time in some samples of a log."""
     name, unit = drive_name(report.units[0], report.slide), report.units[0]
     source = "controller’s" if report.reconstructed else "measured"
     above = [over_time(source, c.time[w], c.measured[w], "measured")]
@@ -148,9 +135,12 @@ def worst_position(report: Report) -> SimulatedPosition | None:
 
 def worst_times(found: SimulatedPosition) -> tuple[float, float]:
     """First and last time, s, of the stretch of a log with the largest position error."""
-    window, _ = _worst(found.time, found.after - found.measured)
-    times = found.time[window]
-    return float(times[0]), float(times[-1])
+    return ends_of(found.time[_worst(found.time, found.after - found.measured)[0]])
+
+
+def ends_of(time: Array) -> tuple[float, float]:
+    """First and last time."""
+    return float(time[0]), float(time[-1])
 
 
 def friction_speed(report: Report) -> Chart:

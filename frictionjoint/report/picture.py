@@ -37,13 +37,13 @@ _WIDE, _ROW = 10.0, 2.4
 
 def draw(report: Report) -> Figure:
     """Friction-speed curve, then drive and position of the worst held-out stretch, with errors."""
-    stretch = charts.worst_stretch(report)
+    curve, window = charts.worst_stretch(report)
     rows: list[charts.Chart] = [charts.friction_speed(report)]
-    rows += charts.drive_charts(report, stretch, "", True)
+    rows += charts.drive_charts(report, curve, window, "", True)
     position = charts.worst_position(report)
     if position:
         rows += charts.position_charts(report, position, charts.worst_times(position), "")
-    return draw_charts(rows, f"joint {report.joint}, log {stretch.curve.name}")
+    return draw_charts(rows, f"joint {report.joint}, log {curve.name}")
 
 
 def draw_charts(rows: Sequence[charts.Chart], title: str) -> Figure:
@@ -71,7 +71,7 @@ def draw_robot(report: RobotReport) -> Figure:
         axes = figure.subplots(len(report.joints), 2, squeeze=False)
         for (left, right), (name, result) in zip(axes, report.joints.items(), strict=True):
             stretch = charts.worst_stretch(result)
-            draw_chart(left, charts.drive_charts(result, stretch, "", False)[0])
+            draw_chart(left, charts.drive_charts(result, *stretch, "", False)[0])
             draw_chart(right, charts.friction_speed(result))
             left.set_title(name)
     return figure

@@ -51,25 +51,12 @@ class JointRow:
 
 
 @dataclass(frozen=True)
-class TorsionRow:
-    """The gear between motor and link."""
-
-    joint: str
-    stiffness: str
-    backlash: str
-    hysteresis: str
-    delay: str
-    twist: str
-    left: str
-
-
-@dataclass(frozen=True)
 class RobotSummary:
     """Content of a robot's report.
 
     Attributes:
         joints: summary of each. rows: one per joint. failed: why a joint has no result.
-        logs: as in report.json.
+        torsion: the gear between motor and link, by key of report.json. logs: as there.
     """
 
     verdict: str
@@ -79,7 +66,7 @@ class RobotSummary:
     rows: tuple[JointRow, ...]
     failed: dict[str, str]
     shared: tuple[SharedRow, ...]
-    torsion: tuple[TorsionRow, ...]
+    torsion: tuple[dict[str, str], ...]
     undetermined: tuple[str, ...]
     notes: tuple[str, ...]
     record_next: tuple[str, ...]
@@ -248,15 +235,9 @@ def _fraction(errors: Content, whole: Content, role: str) -> str:
     return _NONE if error is None else percentage(error, size) if size else three(error)
 
 
-def _torsion(name: str, x: Content) -> TorsionRow:
+def _torsion(name: str, x: Content) -> dict[str, str]:
     geared = [f"motor also geared to {n} ({c:.4g})" for n, c in x.get("geared", {}).items()]
-
-    def text(key: str) -> str:
-        value = x.get(key)
-        return with_unit(Estimate(**value)) if value else "none seen"
-
-    return TorsionRow(
-        ", ".join([name, *geared]),
-        *map(text, ("stiffness", "backlash", "hysteresis", "link_position_older")),
-        *(three(x[key]) for key in ("twist_rms", "left_rms")),
-    )
+    row = {"joint": ", ".join([name, *geared])}
+    for key in ("stiffness", "backlash", "hysteresis", "link_position_older"):
+        row[key] = with_unit(Estimate(**x[key])) if x.get(key) else "none seen"
+    return row | {key: three(x[key]) for key in ("twist_rms", "left_rms")}

@@ -40,11 +40,10 @@ def _robot_text(s: RobotSummary) -> str:
         numbers = zip(s.friction_head, row.friction, strict=True)
         lines.append("  " + ", ".join(f"{name} {x}" for name, x in numbers))
     lines += [f"{name}: no result: {why}" for name, why in s.failed.items()]
-    lines += [
-        f"{t.joint}: gear stiffness {t.stiffness}, backlash {t.backlash}, hysteresis {t.hysteresis}"
-        for t in s.torsion
-        if {t.stiffness, t.backlash, t.hysteresis} != {"none seen"}
-    ]
+    for t in s.torsion:
+        gear = [f"{key} {t[key]}" for key in ("stiffness", "backlash", "hysteresis")]
+        if not all(text.endswith("none seen") for text in gear):
+            lines.append(f"{t['joint']}: gear {', '.join(gear)}")
     return "\n".join([*lines, *_notes(s)])
 
 

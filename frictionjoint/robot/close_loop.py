@@ -32,7 +32,7 @@ from frictionjoint.report.robot_report import (
     notes_of,
 )
 from frictionjoint.report.units_report import UnitsReport
-from frictionjoint.robot.causes.cause import Found, composed
+from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.corrections import write_corrections
 from frictionjoint.robot.exchanged import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
@@ -257,8 +257,7 @@ def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:
 def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:
     """A cause's values with their standard errors, to first order."""
     cause, x = found.causes[i], found.numbers[i]
-    others = found.without(i)
-    state = composed(others.causes, others.numbers, found.original)
+    state = found.without(i).state
     values = cause.values(state, x)
 
     def at(x: Array) -> Array:
