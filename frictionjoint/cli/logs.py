@@ -236,12 +236,8 @@ def reads_logs(*also: str) -> Callable[[Callable[..., None]], Callable[..., None
 
 @dataclass(frozen=True)
 class LogPaths:
-    """Logs that a command reads.
-
-    Attributes:
-        logs: to fit. kept: held out. fraction: of each log to hold out at its end.
-        joined: files of a log that has one per signal, by the path that stands for it.
-    """
+    """Logs to fit and to hold out, the fraction of each to hold out at its end, and by the path
+    that stands for it the files of a log that has one per signal."""
 
     logs: list[Path]
     kept: list[Path]
@@ -254,13 +250,9 @@ class LogPaths:
 
 
 def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogPaths:
-    """The logs in folders and data sets; held-out logs are not among those to fit.
-
-    Args:
-        held_out: logs, and at most one fraction.
-    Raises:
-        LogError: a folder contains no log, a log is both fitted and held out, or two fractions.
-    """
+    """The logs in folders and data sets; those held out, by path or one fraction of each, are not
+    fitted. LogError if a folder contains none, one is both fitted and held out, or two fractions
+    are given."""
     from frictionjoint.measured.readers import log_files
     from frictionjoint.measured.table import TABLES
 

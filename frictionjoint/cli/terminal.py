@@ -34,11 +34,8 @@ def console() -> Console:
 
 @contextlib.contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line on stderr: the current step, its progress, and the remaining time.
-
-    A message that counts ("4 of 12", "4/12") has a percentage; the remaining time is estimated from
-    the counted steps so far.
-    """
+    """A line on stderr: the current step, its progress, and the remaining time, both where a
+    message counts ("4 of 12", "4/12"), from the counted steps so far."""
     err = Console(stderr=True)
     columns = (
         SpinnerColumn(),

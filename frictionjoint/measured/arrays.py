@@ -45,13 +45,8 @@ def part_of(value: Any, field: str) -> Any:
 
 
 def column(path: Path, name: str, x: Any, source: str | None = None) -> Array:
-    """A column of real numbers, shape (n,); 1 x n and n x 1 matrices are accepted.
-
-    Args:
-        source: name of the array if `name` is a part of it.
-    Raises:
-        LogError: text, complex numbers, objects, or a matrix without a named part.
-    """
+    """A column of real numbers, shape (n,), also of a 1 x n or n x 1 matrix, or a part of the array
+    `source`; LogError for text, complex numbers, objects, or a matrix without a named part."""
     array = np.asarray(x)
     if array.dtype.kind not in "fiub":
         raise LogError(f"{path.name}, {name}: {array.dtype} is not a column of numbers")

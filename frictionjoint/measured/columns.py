@@ -115,13 +115,8 @@ def options(
 def choose_signals(
     source: str, table: dict[str, str], joint: str, signals: Iterable[str], used: Iterable[str]
 ) -> dict[str, str]:
-    """Name of a signal -> the file's column; a column of the joint takes precedence.
-
-    Args:
-        used: columns of the file with another meaning.
-    Raises:
-        LogError: no such column, or it has another meaning.
-    """
+    """Name of a signal -> the file's column; one of the joint takes precedence. LogError if there
+    is none, or the column has another meaning, as those `used`."""
     chosen = {}
     for name in signals:
         column = _column(table, joint, name)

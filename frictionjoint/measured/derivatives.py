@@ -114,13 +114,8 @@ def position_noise(position: Array, dt: float, corner_hz: float) -> float:
 
 
 def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivatives:
-    """Smooth position, velocity and acceleration of a log on a uniform grid.
-
-    Args:
-        bandwidth_hz: corner of the filter; None: the whole `motion_band` of this log.
-    Raises:
-        LogError: the bandwidth is not positive.
-    """
+    """Smooth position, velocity and acceleration of a log on a uniform grid, by a filter with a
+    positive corner, Hz; None: the whole `motion_band` of this log."""
     time, position, dt = on_a_grid(log)
     if bandwidth_hz is None:
         bandwidth_hz = motion_band(position, dt).whole

@@ -135,13 +135,10 @@ class JointLog:
         return self.mapped(lambda x, first: np.concatenate([first, x]), self.before)
 
     def with_gain(self, gain: float) -> "JointLog":
-        """The log with the torque that follows from current or voltage with a known motor
-           constant.
+        """The log with the torque of a motor constant, N m per A or per V (N for a slide).
 
         For a voltage-driven motor the identified viscous friction includes the back-EMF.
 
-        Args:
-            gain: N m per A or per V (N for a slide).
         Raises:
             LogError: the gain is not positive, or the log has neither current nor voltage.
         """

@@ -25,13 +25,8 @@ class LongLogWarning(UserWarning):
 
 
 def bounded(logs: Sequence[JointLog]) -> list[JointLog]:
-    """The logs, split at gaps and shortened to `MOST_ROWS` in total; their names say how.
-
-    Raises:
-        LogError: see `split_at_gaps`.
-    Warns:
-        LongLogWarning: one line per shortened log.
-    """
+    """The logs, split at gaps and shortened to `MOST_ROWS` in total; their names say how, and a
+    LongLogWarning for each. LogError: see `split_at_gaps`."""
     logs = [part for log in logs for part in split_at_gaps(log)]
     total = sum(len(log.time) for log in logs)
     if total <= MOST_ROWS:

@@ -68,13 +68,8 @@ class LowPass:
     up: int = 1
 
     def __call__(self, x: Array, derivative: int = 0) -> Array:
-        """Filter along axis 0.
-
-        Args:
-            x: shape (n,) or (n, k). derivative: of the filtered signal by time.
-        Returns:
-            shape (m,) or (m, k), with m = ceil(((n - 1) up + 1) / step).
-        """
+        """The filtered signal, shape (n,) or (n, k), along axis 0, or a derivative of it by time,
+        shape (m,) or (m, k), with m = ceil(((n - 1) up + 1) / step)."""
         rows = x.reshape(self.n, int(np.prod(x.shape[1:]))).T
         found = self._alone.back(self._alone.spectra(rows), derivative)
         return found.T if x.ndim > 1 else found[0]

@@ -103,13 +103,8 @@ def _of_joints(
 
 
 def log_files(path: str | Path) -> list[Path]:
-    """The logs that a path names: itself, all episodes of a data set, or all logs of a folder.
-
-    Args:
-        path: a log, a LeRobot data set (``FOLDER#0-7``: some of its episodes), or a folder.
-    Raises:
-        LogError: a folder contains no log.
-    """
+    """The logs that a path names: itself, all episodes of a data set (``FOLDER#0-7``: some), or all
+    logs of a folder; LogError if it has none."""
     path = Path(path)
     if lerobot.is_lerobot(path):
         numbers = lerobot.episodes_of(path)

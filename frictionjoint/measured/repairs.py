@@ -122,10 +122,7 @@ def _moves(position: Array) -> bool:
 def drive_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
     """Notes on drives that are exactly zero for long while the joint moves, or leap for one sample.
 
-    A drive may leap, so its outliers are not repaired.
-
-    Args:
-        columns: of the joint, shape (n,) each, including ``time_s`` and a position.
+    A drive may leap, so its outliers are not repaired. The columns include a position.
     """
     position = next(x for name, x in columns.items() if name in POSITIONS)
     time, notes = columns["time_s"], []

@@ -168,13 +168,8 @@ def _nanoseconds(message: Any, recorded: int) -> int:
 
 
 def _commanded(path: Path, message: Any, order: list[str]) -> Iterator[tuple[str, float]]:
-    """Joints of a command with their commanded positions.
-
-    Args:
-        order: names of the joints, for a command without names.
-    Raises:
-        LogError: the numbers of names and commands differ.
-    """
+    """Joints of a command with their positions; one without names has those of `order`. LogError if
+    the numbers of names and positions differ."""
     if hasattr(message, "data"):
         if len(order) != len(message.data):
             raise LogError(

@@ -50,12 +50,10 @@ def notes(path: Path) -> tuple[str, ...]:
 
 
 def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[str, Array]:
-    """Some columns of a file, each of shape (n,).
+    """Some columns of a file, each of shape (n,); that of `time` may contain dates and times.
 
     Lines are read in batches: 8 bytes per number in the result, at most 16 while reading.
 
-    Args:
-        time: the column that may contain dates and times.
     Raises:
         LogError: with the line number, for a cell that is no number or a line of another width.
     """

@@ -64,10 +64,8 @@ def between(
     """Mean and variance of a parameter over recordings.
 
     Args:
-        value, stderr: estimate of each recording and its error, shape (k,), k >= 2.
-        dof: degrees of freedom of the errors.
-        causes: quantities that differ between recordings, shape (k,) each; those with NaN are left
-            out.
+        value, stderr: of each recording, shape (k,), k >= 2, with `dof` degrees of freedom.
+        causes: quantities that differ between recordings, shape (k,) each; NaN: left out.
     """
     k = len(value)
     deviation, Q = _deviation(value, stderr, np.ones((k, 1)))

@@ -18,14 +18,11 @@ _LEAST, _MOST = 1e-3, 1e6
 
 
 def moderated(block: Array, independent: Array, dof: Array) -> tuple[Array, float]:
-    """Variances of k estimates, and the degrees of freedom of one of them.
+    """Variances of k estimates, and the degrees of freedom of one, of all if the factors are equal.
 
     Args:
         block: variances from blocks of time, with `dof` degrees of freedom, shape (k,).
         independent: variances if samples were independent, shape (k,).
-    Returns:
-        variances, shape (k,), and their degrees of freedom: all of the recordings' together if the
-        factors are equal.
     """
     factor, half = block / independent, 0.5 * dof
     if len(block) < 2:

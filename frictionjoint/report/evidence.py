@@ -20,8 +20,7 @@ class EffectRow:
     """An added effect.
 
     Attributes:
-        name: canonical. title: common name. cause, size: in words.
-        gain, p_value, frequency: evidence as decided.
+        name, title: canonical and common. cause, size: in words. gain to frequency: evidence.
         rivals: common names of effects that could also be the cause.
         next_best: common name and gain of the runner-up, if it explains less.
         doubt: why the logs do not support it by itself; empty if they do.

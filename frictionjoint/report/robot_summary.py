@@ -52,12 +52,8 @@ class JointRow:
 
 @dataclass(frozen=True)
 class RobotSummary:
-    """Content of a robot's report.
-
-    Attributes:
-        joints: summary of each. rows: one per joint. failed: why a joint has no result.
-        torsion: the gear between motor and link, by key of report.json. logs: as there.
-    """
+    """Content of a robot's report: a summary and a row of each joint, and why a joint has no
+    result; gears between motor and link and logs by the keys of report.json."""
 
     verdict: str
     verdict_lines: tuple[tuple[str, str], ...]

@@ -39,11 +39,10 @@ class Summary:
     """Content of the report of one joint.
 
     Attributes:
-        verdict: as in report.json. units: of drive and position. drive: its name.
-        role: of the logs in the headline. noise: a sentence; `noise_level` its value if plausible.
-        errors: most important first. at_rest: fraction of the samples.
-        position_first: whether position comes first, as for servos. changed: whether the result
-            differs from the base fit. friction: the main friction numbers.
+        units: of drive and position. drive: its name. role: of the logs in the headline.
+        noise: a sentence; `noise_level` its value if plausible. errors: most important first.
+        at_rest: fraction of the samples. position_first: whether it comes first, as for servos.
+        changed: whether the result differs from the base fit. friction: the main friction numbers.
         parameters: those in model.xml. steps: candidates of each step of the search.
         threshold: when an effect is normally added, in a sentence.
         smallest: each further effect, and the smallest torque that these logs would have shown.
