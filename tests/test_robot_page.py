@@ -13,8 +13,7 @@ from frictionjoint.report.joints import joint_content
 from frictionjoint.report.page import render, render_robot
 from frictionjoint.report.robot_report import RobotErrors, RobotReport, SharedCause
 from frictionjoint.report.robot_summary import summarise_robot
-from frictionjoint.robot.information import Information, Parameter
-from frictionjoint.robot.undetermined import undetermined
+from frictionjoint.robot.information import Information, Parameter, undetermined
 
 PARTS = {
     "verdict": 'class="verdict partly-explained"',

@@ -14,7 +14,6 @@ from frictionjoint.parameters import Friction
 from frictionjoint.report.entries import Curve, SimulatedPosition
 from frictionjoint.report.error_figures import STAGES, Stage
 from frictionjoint.report.joint_report import Report
-from frictionjoint.report.turning_points import turns
 from frictionjoint.report.wording import axis, drive_name
 
 Kind = Literal["line", "points"]
@@ -271,3 +270,24 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
 def _rms(e: Array) -> float:
     known = e[np.isfinite(e)]
     return root_mean_square(known) if len(known) else 0.0
+
+
+def turns(c: Curve, size: float) -> list[slice]:
+    """Samples from each turning point until the joint has moved by `size`, or turned again."""
+    step = np.diff(c.position)
+    moving = np.flatnonzero(step != 0.0)
+    # a gap in the samples is no turn
+    even = np.diff(c.time) < 1.5 * np.median(np.diff(c.time))
+    found = []
+    for a, b in pairwise(moving):
+        if step[a] * step[b] >= 0.0 or not even[a : b + 1].all():
+            continue
+        end = b + 1
+        while end < len(step) and even[end] and step[end] * step[b] > 0.0:
+            end += 1
+            # a window needs ten samples
+            enough = end - b >= 10
+            if enough and abs(c.position[end] - c.position[b]) >= size:
+                found.append(slice(int(b), int(end) + 1))
+                break
+    return found

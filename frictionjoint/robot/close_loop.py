@@ -37,11 +37,10 @@ from frictionjoint.robot.corrections import write_corrections
 from frictionjoint.robot.exchanged import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
 from frictionjoint.robot.explain import Corrected, Explained, Fitted, State, Task, explain_joint
-from frictionjoint.robot.information import information
+from frictionjoint.robot.information import information, undetermined
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import Place, RobotLogs, by_place
 from frictionjoint.robot.shared import Shared, shared_causes
-from frictionjoint.robot.undetermined import undetermined
 from frictionjoint.robot.workers import Each, processes, workers
 from frictionjoint.threads import one_thread
 

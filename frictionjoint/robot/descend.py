@@ -19,8 +19,7 @@ from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.robot.causes.cause import Cause, Found, composed
 from frictionjoint.robot.clock import Clock
-from frictionjoint.robot.columns import gram_of, own_effects
-from frictionjoint.robot.common import common_columns
+from frictionjoint.robot.columns import common_columns, gram_of, own_effects
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.inertia import TEN
 from frictionjoint.robot.joint import FittedJoint

@@ -30,8 +30,7 @@ from frictionjoint.replay.loops import LoopErrors, Loops
 from frictionjoint.report.entries import Interval
 from frictionjoint.report.joint_report import Report
 from frictionjoint.robot.along import Along
-from frictionjoint.robot.body import CorrectedBody
-from frictionjoint.robot.corrections import Corrections, Shaft
+from frictionjoint.robot.corrections import CorrectedBody, Corrections, Shaft
 from frictionjoint.robot.paired import error_increase, replay_increase
 from frictionjoint.robot.torsion import torsion
 

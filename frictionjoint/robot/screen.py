@@ -13,8 +13,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.clock import Clock
-from frictionjoint.robot.columns import gram_of, own_effects
-from frictionjoint.robot.common import common_columns
+from frictionjoint.robot.columns import common_columns, gram_of, own_effects
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, Stack

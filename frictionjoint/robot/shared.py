@@ -17,7 +17,7 @@ from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.choose import Choice, choose, idle
-from frictionjoint.robot.common import Common, common_terms
+from frictionjoint.robot.columns import Common, common_terms
 from frictionjoint.robot.compare import nearer
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
