@@ -111,12 +111,9 @@ def mat_names(path: Path) -> list[str]:
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     sources = {name: whole(name) for name in names}
     wanted = sorted({*sources.values()})
-    content: dict[str, Any]
     try:
-        if matlab.is_level_5(path):
-            content = dict(matlab.arrays(path, wanted))
-        else:
-            content = loadmat(path, variable_names=wanted)
+        level_5 = matlab.is_level_5(path)
+        content = matlab.arrays(path, wanted) if level_5 else loadmat(path, variable_names=wanted)
     except matlab.NotNumbersError as error:
         raise LogError(f"{path.name}, {error}") from None
     except Exception as error:

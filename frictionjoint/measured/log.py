@@ -91,7 +91,8 @@ class JointLog:
             raise LogError(f"{self.name}: no torque, voltage, current or target, add one of them")
         # kernels read float64 without gaps; a slice of a table, or float32, may be neither
         for name, x in self.columns().items():
-            object.__setattr__(self, name, _as_kernels_read(x))
+            kind = None if x.dtype == np.bool_ else np.float64
+            object.__setattr__(self, name, np.ascontiguousarray(x, dtype=kind))
         for name in _BY_NAME:
             found = {
                 key: np.ascontiguousarray(x, np.float64) for key, x in getattr(self, name).items()
@@ -183,10 +184,6 @@ def split_each_in_time(
     """First parts of some logs, and their last ones to hold out, see `split_in_time`."""
     pairs = [split_in_time(log, fraction) for log in logs]
     return [first for first, _ in pairs], [last for _, last in pairs]
-
-
-def _as_kernels_read(x: Array) -> Array:
-    return np.ascontiguousarray(x, dtype=None if x.dtype == np.bool_ else np.float64)
 
 
 def split_at_gaps(log: JointLog) -> list[JointLog]:

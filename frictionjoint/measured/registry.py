@@ -14,6 +14,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import pooch
+
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
 
@@ -64,8 +66,6 @@ def get_data(name: str) -> Path:
 
 
 def _local(data: DataSet, folder: Path) -> Path:
-    import pooch
-
     for file, digest in data.files.items():
         path = folder / file
         if not path.is_file():
@@ -76,8 +76,6 @@ def _local(data: DataSet, folder: Path) -> Path:
 
 
 def _fetched(data: DataSet) -> Path:
-    import pooch
-
     registry: dict[str, Any] = {file: f"sha256:{digest}" for file, digest in data.files.items()}
     folder = Path(pooch.os_cache("frictionjoint")) / data.name
     pooch.get_logger().setLevel("WARNING")  # its progress lines would hide our one line

@@ -51,7 +51,10 @@ def with_recordings(
         own = [x for x in found if x.informed[i] > 0.5]
         between = over(own, i) if len(own) >= FEWEST else None
         # A parameter of a law cannot be negative, so such estimates have another cause.
-        if between is None or not _determined(between) or (number.of_law and between.mean < 0.0):
+        if between is None or (number.of_law and between.mean < 0.0):
+            continue
+        low, high = between.interval
+        if not high - low < 2.0 * LOOSE * abs(between.mean):
             continue
         rows.append(_row(number.name, between, own, i))
         # one false alarm in twenty reports, over all parameters; and no law is exact, so values of
@@ -88,11 +91,6 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
         )
     content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
     return Known(report.mjcf, report.joint, content, cov, fixed, constraint)
-
-
-def _determined(between: Between) -> bool:
-    low, high = between.interval
-    return high - low < 2.0 * LOOSE * abs(between.mean)
 
 
 def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dict[str, Any]:

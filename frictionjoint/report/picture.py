@@ -79,21 +79,13 @@ def draw_robot(report: RobotReport) -> Figure:
 
 def draw_chart(axes: Axes, chart: charts.Chart) -> None:
     for s in chart.series:
+        how: dict[str, Any] = {"color": COLOURS[s.colour], "label": s.name}
         if s.kind == "points":
-            axes.plot(
-                s.x,
-                s.y,
-                "o",
-                color=COLOURS[s.colour],
-                label=s.name,
-                markersize=2.0,
-                markeredgewidth=0.0,
-                rasterized=True,
-            )
+            axes.plot(s.x, s.y, "o", **how, markersize=2.0, markeredgewidth=0.0, rasterized=True)
         else:
             width = 2.4 if s.colour == "measured" else 1.2
             style = ":" if s.colour == "target" else "--" if s.colour in _DASHED else "-"
-            axes.plot(s.x, s.y, style, color=COLOURS[s.colour], label=s.name, linewidth=width)
+            axes.plot(s.x, s.y, style, **how, linewidth=width)
     axes.set_xlabel(chart.x_label)
     axes.set_ylabel(chart.y_label)
     axes.ticklabel_format(scilimits=(-4, 5))
