@@ -12,7 +12,7 @@ from frictionjoint.report.folder import made
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.page import render, render_robot
 from frictionjoint.report.robot_report import RobotErrors, RobotReport, SharedCause
-from frictionjoint.report.robot_summary import summarise_robot
+from frictionjoint.report.robot_summary import RobotSummary
 from frictionjoint.robot.information import Information, Parameter, undetermined
 
 PARTS = {
@@ -87,7 +87,7 @@ def test_each_part_is_there(page, part):
 
 
 def test_the_page_of_a_joint_has_the_errors_of_the_robots_page(robot):
-    s = summarise_robot(content(robot))
+    s = RobotSummary(content(robot))
     for row in s.rows:
         own = render(robot.joints[row.joint], joint_content(content(robot), row.joint))
         for percent in row.torque.split(" → "):

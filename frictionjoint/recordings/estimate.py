@@ -12,7 +12,7 @@ extrapolated to none.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -126,7 +126,7 @@ def estimate(known: Known, log: JointLog) -> Estimates:
     numbers = known.numbers
     if not numbers:
         raise ParameterError("the friction has no number to compare: all are zero or shapes")
-    parts = [_Part.of(known, part) for part in split_at_gaps(log)]
+    parts = [_Part(part) for part in split_at_gaps(log)]
     sizes = np.maximum(PRIOR_SIZE * np.abs(known.values), PRIOR_ERRORS * known.stderr)
     # the last parameter is a time offset of less than a sample between drive and position
     prior = np.append(sizes, np.median(np.diff(log.time)))
@@ -174,7 +174,6 @@ def estimate(known: Known, log: JointLog) -> Estimates:
     )
 
 
-@dataclass(frozen=True)
 class _Part:
     """A log without gaps.
 
@@ -185,29 +184,23 @@ class _Part:
         acts: torque per unit of each number of an effect, found along the first motion, (m,).
     """
 
-    log: JointLog
-    corner: float
-    resolution: float
-    noise: Array
-    block: float
-    blocks: int
-    acts: dict[Number, Array] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, known: Known, log: JointLog) -> "_Part":
+    def __init__(self, log: JointLog) -> None:
         if all(getattr(log, kind) is None for kind in DRIVES):
             raise LogError(
                 f"{log.name}: no measured drive, and no controller whose kp and supply are known: "
                 "recordings are compared by it."
             )
         _, position, dt = on_a_grid(log)
-        corner = motion_band(position, dt).whole
+        self.log = log
+        self.corner = motion_band(position, dt).whole
+        self.resolution = position_noise(position, dt, self.corner)
         drawn = np.random.default_rng(0).standard_normal(len(position))
+        self.noise = self.resolution * drawn
         seconds = float(log.time[-1] - log.time[0])
         # a second, or a twelfth of the log
-        block = max(1e-9, min(1.0, seconds / 12.0))
-        resolution = position_noise(position, dt, corner)
-        return cls(log, corner, resolution, resolution * drawn, block, int(seconds / block) + 1)
+        self.block = max(1e-9, min(1.0, seconds / 12.0))
+        self.blocks = int(seconds / self.block) + 1
+        self.acts: dict[Number, Array] = {}
 
 
 class _Balance(NamedTuple):

@@ -19,7 +19,7 @@ from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.charts import LAW_COLOURS, Chart, Series, sliding
 from frictionjoint.report.html import fill
-from frictionjoint.report.summary import summarise
+from frictionjoint.report.summary import Summary
 
 KINDS = (".html", ".png", ".svg")
 # Panels: what is drawn, with its axes.
@@ -62,7 +62,7 @@ def compared(read: Mapping[str, JointFriction]) -> list[Compared]:
 
 def report_figures(content: Mapping[str, Any]) -> dict[str, float | str]:
     """Verdict, errors and friction numbers of a report, as text by name."""
-    s = summarise(content)
+    s = Summary(content)
     found: dict[str, float | str] = {
         "joint": s.joint,
         "verdict": s.verdict.replace("-", " "),

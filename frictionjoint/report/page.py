@@ -8,8 +8,8 @@ from frictionjoint.report import charts, wording
 from frictionjoint.report.html import fill
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.robot_report import RobotReport
-from frictionjoint.report.robot_summary import summarise_robot
-from frictionjoint.report.summary import summarise
+from frictionjoint.report.robot_summary import RobotSummary
+from frictionjoint.report.summary import Summary
 from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.report.wording import quantity
 
@@ -24,7 +24,7 @@ FILTERS = {
 def render(report: Report, content: Mapping[str, Any]) -> str:
     """The page of one joint as text: all figures and sentences from report.json, time series from
     the report."""
-    s = summarise(content)
+    s = Summary(content)
     curve, window = charts.worst_stretch(report)
     position = charts.worst_position(report)
     # the curves before are those of the errors before, unless causes are shared with other joints
@@ -74,7 +74,7 @@ def render_robot(report: RobotReport, content: Mapping[str, Any]) -> str:
     return fill(
         "robot.html.j2",
         FILTERS,
-        s=summarise_robot(content),
+        s=RobotSummary(content),
         pages=page_names(list(report.joints)),
         pictures=pictures,
         made=content.get("made", {}),
@@ -95,7 +95,7 @@ def render_units(report: UnitsReport, content: Mapping[str, Any]) -> str:
 
 def unit_sentence(content: Mapping[str, Any]) -> str:
     """A unit's verdict and errors in two sentences."""
-    missing, error = summarise_robot(content).verdict_lines[:2]
+    missing, error = RobotSummary(content).verdict_lines[:2]
     return f"{': '.join(missing)} {': '.join(error)}"
 
 

@@ -15,7 +15,7 @@ from frictionjoint.display import table
 from frictionjoint.report import charts
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.robot_report import RobotReport
-from frictionjoint.report.summary import summarise
+from frictionjoint.report.summary import Summary
 
 COLOURS = {"measured": "#8a8f94", "target": "#7570b3", "before": "#d95f02", "after": "#1b9e77"}
 _LAWS = "#1b9e77 #d95f02 #7570b3 #e7298a #66a61e #e6ab02 #a6761d #666666"
@@ -94,7 +94,7 @@ def draw_chart(axes: Axes, chart: charts.Chart) -> None:
 
 def report_html(report: Report) -> str:
     """Verdict, friction numbers and picture as HTML without a style sheet that loads nothing."""
-    s = summarise(report.to_dict())
+    s = Summary(report.to_dict())
     lines = "".join(f"<p><b>{escape(k)}:</b> {escape(text)}</p>" for k, text in s.verdict_lines)
     rows = [(x.meaning, x.qualified) for x in s.friction]
     numbers = table(f"friction of joint {report.joint}", ("", "value"), rows)

@@ -3,8 +3,8 @@
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from frictionjoint.report.robot_summary import RobotSummary, summarise_robot
-from frictionjoint.report.summary import Summary, summarise
+from frictionjoint.report.robot_summary import RobotSummary
+from frictionjoint.report.summary import Summary
 
 # notes that a terminal has room for; the page has all of them
 _MOST_NOTES = 5
@@ -14,8 +14,8 @@ def summary_text(content: Mapping[str, Any]) -> str:
     """The verdict, the friction numbers, the effects or causes, and the most important notes in
     report.json of one joint or of a robot."""
     if "joints" in content:
-        return _robot_text(summarise_robot(content))
-    s = summarise(content)
+        return _robot_text(RobotSummary(content))
+    s = Summary(content)
     lines = _labelled(s.verdict_lines)
     lines += ["", f"Friction of {s.joint or 'the joint'}, law {s.laws[1]}:"]
     lines += _labelled([(x.meaning, x.qualified) for x in s.friction], indent="  ")

@@ -7,8 +7,6 @@ determinant of the resulting information matrix.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Self
 
 import mujoco
 import numpy as np
@@ -30,7 +28,7 @@ def next_trajectory(
 ) -> Excitation | None:
     """The best of many trajectories; None if none is free of contact within the limits."""
     rng = np.random.default_rng(seed)
-    robot = _Robot.of(joints)
+    robot = _Robot(joints)
     at = base_parameters(known).base
     before = errors(known, at)
     best: tuple[float, Array, Array, Array] | None = None
@@ -59,23 +57,11 @@ def next_trajectory(
     return Excitation(names, slides, fine, q, fall)
 
 
-@dataclass(frozen=True)
 class _Robot:
     """The joints of a model: indices of their positions, their degrees of freedom, and limits of
     range, speed and torque, shape (joints,)."""
 
-    model: mujoco.MjModel
-    joints: Sequence[FittedJoint]
-    at: list[int]
-    dofs: list[int]
-    low: Array
-    high: Array
-    speed: Array
-    torque: Array
-
-    @classmethod
-    def of(cls, joints: Sequence[FittedJoint]) -> Self:
-        """Joints with limits from their logs and their model."""
+    def __init__(self, joints: Sequence[FittedJoint]) -> None:
         model = joints[0].alongs[0].model
         rows = []
         for joint in joints:
@@ -95,12 +81,14 @@ class _Robot:
                 torque = 0.9 * float(np.abs(model.jnt_actfrcrange[j]).min())
             rows.append((low, high, 1.25 * float(np.abs(signals[:, V]).max()), torque))
         named = [model.joint(joint.name) for joint in joints]
-        at, dofs = [int(j.qposadr[0]) for j in named], [int(j.dofadr[0]) for j in named]
-        return cls(model, joints, at, dofs, *np.array(rows).T)
+        self.model, self.joints = model, joints
+        self.at = [int(j.qposadr[0]) for j in named]
+        self.dofs = [int(j.dofadr[0]) for j in named]
+        self.low, self.high, self.speed, self.torque = np.array(rows).T
 
     def centre(self, middle: Array) -> Array:
         """Position about which each joint moves."""
-        return self.low + middle * (self.high - self.low)
+        return np.asarray(self.low + middle * (self.high - self.low))
 
     def motion(self, series: Array, middle: Array, time: Array) -> tuple[Array, Array, Array]:
         """Positions, velocities and accelerations, shape (n, joints) each."""
