@@ -15,7 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.report.robot_report import Excitation
 from frictionjoint.robot.causes.catalogue import links_of
-from frictionjoint.robot.information import Information, base_parameters, errors, gram_without
+from frictionjoint.robot.information import BaseParameters, Information, errors, gram_without
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor
@@ -29,7 +29,7 @@ def next_trajectory(
     """The best of many trajectories; None if none is free of contact within the limits."""
     rng = np.random.default_rng(seed)
     robot = _Robot(joints)
-    at = base_parameters(known).base
+    at = BaseParameters(known).base
     before = errors(known, at)
     best: tuple[float, Array, Array, Array] | None = None
     time = np.linspace(0.0, _SECONDS, 400)

@@ -45,22 +45,6 @@ class Information:
     gram: Array = field(repr=False)
 
 
-@dataclass(frozen=True)
-class BaseParameters:
-    """Which parameters the logs determine, alone or in sums.
-
-    Attributes:
-        base: indices of the base parameters, shape (b,). others: indices of those that appear only
-            in sums with them, shape (c,). sums: coefficients, shape (b, c).
-        unseen: indices of parameters without any torque.
-    """
-
-    base: Index
-    others: Index
-    sums: Array
-    unseen: Index
-
-
 def parameters_of(
     model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
 ) -> tuple[Parameter, ...]:
@@ -111,26 +95,32 @@ def gram_without(X: Array, known: Array) -> Array:
     return np.asarray(left.T @ left)
 
 
-def base_parameters(found: Information) -> BaseParameters:
-    """Base parameters by a pivoted QR of the regressor (Gautier 1991).
+class BaseParameters:
+    """Which parameters logs determine, alone or in sums, by a pivoted QR (Gautier 1991).
 
     The factor is computed from the Gram matrix, so directions below the square root of rounding do
     not count.
+
+    Attributes:
+        base: indices of the base parameters, shape (b,). others: indices of those that appear only
+            in sums with them, shape (c,). sums: coefficients, shape (b, c).
+        unseen: indices of parameters without any torque.
     """
-    values, vectors = eigh(found.gram)
-    # of the largest singular value: smaller ones are exact columns of what never shows
-    least = 1e-7
-    keep = values > least**2 * values[-1]
-    root = np.sqrt(values[keep])[:, None] * vectors[:, keep].T
-    size = np.linalg.norm(root, axis=0)
-    unseen = np.flatnonzero(size <= least * size.max())
-    seen = np.setdiff1d(np.arange(len(size)), unseen)
-    _, R, order = qr(root[:, seen] / size[seen], mode="economic", pivoting=True)
-    rank = int(np.sum(np.abs(np.diag(R)) > least * np.abs(R[0, 0])))
-    base, others = seen[order[:rank]], seen[order[rank:]]
-    sums = np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
-    sums = sums * size[others] / size[base][:, None]
-    return BaseParameters(base, others, sums, unseen)
+
+    def __init__(self, found: Information) -> None:
+        values, vectors = eigh(found.gram)
+        # of the largest singular value: smaller ones are exact columns of what never shows
+        least = 1e-7
+        keep = values > least**2 * values[-1]
+        root = np.sqrt(values[keep])[:, None] * vectors[:, keep].T
+        size = np.linalg.norm(root, axis=0)
+        self.unseen = np.flatnonzero(size <= least * size.max())
+        seen = np.setdiff1d(np.arange(len(size)), self.unseen)
+        _, R, order = qr(root[:, seen] / size[seen], mode="economic", pivoting=True)
+        rank = int(np.sum(np.abs(np.diag(R)) > least * np.abs(R[0, 0])))
+        self.base, self.others = seen[order[:rank]], seen[order[rank:]]
+        sums = np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
+        self.sums = sums * size[self.others] / size[self.base][:, None]
 
 
 def errors(found: Information, base: Index) -> Array:
@@ -143,7 +133,7 @@ def undetermined(
     found: Information, friction: Mapping[str, Mapping[str, Estimate]]
 ) -> tuple[dict[str, Any], ...]:
     """Rows with ``kind``, ``parameters`` and ``text``; `friction` is the law of each joint."""
-    base = base_parameters(found)
+    base = BaseParameters(found)
     unseen = _by_owner(found, base.unseen, "without effect", "no effect on these torques")
     rows = [*_sums(found, base), *unseen, *_loose(found, base)]
     for joint, estimates in friction.items():

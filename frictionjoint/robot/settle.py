@@ -14,7 +14,7 @@ from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.choose import Choice
-from frictionjoint.robot.clock import Clock, clock
+from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
@@ -90,16 +90,16 @@ class Settled:
         now = tuple(j.corrected(found.state) for j in self.joints)
         if not found.causes:
             now = self._fitted_again(now, _followed)
-            return replace(self, joints=now, clock=clock(now))
+            return replace(self, joints=now, clock=Clock(now))
         for turn in range(4):
-            stepped = descended(now, clock(now), found, own)
+            stepped = descended(now, Clock(now), found, own)
             trial = self._fitted_again([j.corrected(stepped.state) for j in now], _followed)
             # a gain below 0.1% ends the iteration
             ratios = [(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]
             if turn and float(np.mean(ratios)) > 0.999:
                 break
             found, now = stepped, trial
-        return replace(self, found=found, joints=now, clock=clock(now))
+        return replace(self, found=found, joints=now, clock=Clock(now))
 
     def _fitted_again(
         self, joints: Sequence[FittedJoint], how: Callable[[FittedJoint], FittedJoint]
@@ -113,7 +113,7 @@ def settle(
     joints: Sequence[FittedJoint], found: Found, each: Each[FittedJoint, FittedJoint]
 ) -> Settled:
     """Fit causes, from starting numbers, and the laws of joints together."""
-    return Settled(found, tuple(joints), clock(joints), each).refitted()
+    return Settled(found, tuple(joints), Clock(joints), each).refitted()
 
 
 def _followed(joint: FittedJoint) -> FittedJoint:
