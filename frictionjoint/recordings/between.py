@@ -7,7 +7,6 @@ the method of DerSimonian and Laird (1986), the interval of the mean by that of 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import f, t
@@ -18,10 +17,12 @@ from frictionjoint.recordings.estimate import Estimates
 from frictionjoint.recordings.variances import moderated
 
 
-@dataclass(frozen=True)
 class Between:
     """A parameter over several recordings.
 
+    Args:
+        value, stderr: of each recording, shape (k,), k >= 2, with `dof` degrees of freedom.
+        causes: quantities that differ between recordings, shape (k,) each; NaN: left out.
     Attributes:
         mean: over recordings. interval: 95% interval of the mean.
         deviation: standard deviation between recordings, beyond the errors of the estimates.
@@ -31,14 +32,26 @@ class Between:
         slope: change of the parameter per unit of the cause.
     """
 
-    mean: float
-    interval: tuple[float, float]
-    deviation: float
-    p_value: float
-    stderr: float
-    dof: float
-    cause: str = ""
-    slope: float = 0.0
+    def __init__(
+        self, value: Array, stderr: Array, dof: float, causes: dict[str, Array] | None = None
+    ) -> None:
+        k = len(value)
+        deviation, Q = _deviation(value, stderr, np.ones((k, 1)))
+        w = 1.0 / (stderr**2 + deviation**2)
+        self.deviation = deviation
+        self.mean = float(w @ value / w.sum())
+        spread = float(w @ (value - self.mean) ** 2 / ((k - 1) * w.sum()))
+        half = float(t.ppf(0.975, k - 1) * np.sqrt(spread))
+        self.interval = self.mean - half, self.mean + half
+        self.p_value = float(f.sf(Q / (k - 1), k - 1, dof))
+        errors = 1.0 / float(np.sum(stderr**-2.0))
+        added = 1.0 / float(w.sum()) - errors
+        self.stderr = float(np.sqrt(errors + added))
+        self.dof = (errors + added) ** 2 / (errors**2 / dof + added**2 / (k - 1))
+        self.cause, self.slope = "", 0.0
+        # a cause is named from six recordings on
+        if self.p_value < SIGNIFICANCE and k >= 6:
+            self.cause, self.slope = _cause(value, stderr, deviation, causes or {})
 
 
 def over(found: Sequence[Estimates], i: int) -> Between:
@@ -55,41 +68,7 @@ def over(found: Sequence[Estimates], i: int) -> Between:
         "order of the recordings": np.arange(len(found), dtype=float),
         "torque": np.array([x.load for x in found]),
     }
-    return between(value, np.sqrt(variance), dof, causes)
-
-
-def between(
-    value: Array, stderr: Array, dof: float, causes: dict[str, Array] | None = None
-) -> Between:
-    """Mean and variance of a parameter over recordings.
-
-    Args:
-        value, stderr: of each recording, shape (k,), k >= 2, with `dof` degrees of freedom.
-        causes: quantities that differ between recordings, shape (k,) each; NaN: left out.
-    """
-    k = len(value)
-    deviation, Q = _deviation(value, stderr, np.ones((k, 1)))
-    w = 1.0 / (stderr**2 + deviation**2)
-    mean = float(w @ value / w.sum())
-    spread = float(w @ (value - mean) ** 2 / ((k - 1) * w.sum()))
-    half = float(t.ppf(0.975, k - 1) * np.sqrt(spread))
-    p_value = float(f.sf(Q / (k - 1), k - 1, dof))
-    errors = 1.0 / float(np.sum(stderr**-2.0))
-    added = 1.0 / float(w.sum()) - errors
-    cause, slope = "", 0.0
-    # a cause is named from six recordings on
-    if p_value < SIGNIFICANCE and k >= 6:
-        cause, slope = _cause(value, stderr, deviation, causes or {})
-    return Between(
-        mean,
-        (mean - half, mean + half),
-        deviation,
-        p_value,
-        stderr=float(np.sqrt(errors + added)),
-        dof=(errors + added) ** 2 / (errors**2 / dof + added**2 / (k - 1)),
-        cause=cause,
-        slope=slope,
-    )
+    return Between(value, np.sqrt(variance), dof, causes)
 
 
 def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float]:

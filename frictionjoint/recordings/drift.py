@@ -19,7 +19,7 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
-from frictionjoint.recordings.estimate import Estimates, Known, estimate
+from frictionjoint.recordings.estimate import Estimates, Known
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.report.joints import read_joint
 
@@ -56,7 +56,7 @@ def known_of(report: Path, joint: str | None = None) -> Known:
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
     """Compare each parameter of a known friction with new logs."""
-    return judged(known, [estimate(known, log) for log in logs])
+    return judged(known, [Estimates(known, log) for log in logs])
 
 
 def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:

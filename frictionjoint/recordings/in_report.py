@@ -16,7 +16,7 @@ from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog
 from frictionjoint.parameter_meanings import unit_of
 from frictionjoint.recordings.between import Between, over
-from frictionjoint.recordings.estimate import Estimates, Known, estimate
+from frictionjoint.recordings.estimate import Estimates, Known
 
 if TYPE_CHECKING:
     from frictionjoint.report.joint_report import Report
@@ -40,7 +40,7 @@ def with_recordings(
         return report
     try:
         known = _known(report, fixed)
-        found = [estimate(known, with_known_drive(log, report.controller)) for log in logs]
+        found = [Estimates(known, with_known_drive(log, report.controller)) for log in logs]
     except FrictionJointError as error:
         note = f"The recordings were not compared with each other: {error}"
         return replace(report, notes=(*report.notes, note))

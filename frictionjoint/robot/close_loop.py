@@ -40,7 +40,8 @@ from frictionjoint.robot.explain import Corrected, Explained, Fitted, State, Tas
 from frictionjoint.robot.information import information, undetermined
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import Place, RobotLogs, by_place
-from frictionjoint.robot.shared import Shared, shared_causes
+from frictionjoint.robot.settle import Settled
+from frictionjoint.robot.shared import shared_causes
 from frictionjoint.robot.workers import Each, processes, workers
 from frictionjoint.threads import one_thread
 
@@ -65,19 +66,13 @@ class Options:
 
 
 def close_loop_logs(
-    logs: RobotLogs, model: str | Path | Mapping[str, str | Path], options: Options
+    logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
 ) -> Report | RobotReport:
     """The report of one joint that was named alone, or of a robot; FrictionJointError for bad logs
     or model, in one line."""
-    return (
-        _one_joint(logs, model, options) if logs.alone else close_loop_robot(logs, model, options)
-    )
-
-
-def _one_joint(
-    logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
-) -> Report:
-    """One joint has no causes to share; its logs may have different loads."""
+    if not logs.alone:
+        return close_loop_robot(logs, model, how)
+    # one joint has no causes to share; its logs may have different loads
     (joint,) = logs.joints
     bodies = Bodies(model, joint, how.fixed)
     known = controller_of(how.controller, joint, bodies.models)
@@ -115,7 +110,7 @@ def close_loop_robot(
             raise LogError(next(iter(failed.values())))
         require_own_columns(tasks, fitted)
         shared = shared_causes(list(fitted.values()), logs.moving, each, how.seed, how.progress)
-        corrected = _state(model, shared.settled.found)
+        corrected = _state(model, shared.found)
         ready = [_with_causes(tasks[n], x, shared, corrected) for n, x in fitted.items()]
         outcomes = _side_by_side(ready, each, how.progress)
     done = {n: x for n, x in outcomes.items() if not isinstance(x, str)}
@@ -123,7 +118,7 @@ def close_loop_robot(
     if not done:
         raise LogError(next(iter(failed.values())))
     how.progress("choosing what to record next")
-    settled = shared.settled.joints
+    settled = shared.joints
     known = information(settled, logs.moving)
     excitation = next_trajectory(settled, logs.moving, known, how.seed)
     how.progress("simulating all joints together")
@@ -163,9 +158,9 @@ def _first(task: Task) -> FittedJoint | str:
         return str(error)
 
 
-def _with_causes(task: Task, first: FittedJoint, shared: Shared, model: State) -> Corrected:
+def _with_causes(task: Task, first: FittedJoint, shared: Settled, model: State) -> Corrected:
     """A task with the corrected model, and with the corrections without each cause."""
-    found = shared.settled.found
+    found = shared.found
     without = {
         i: found.without(i).state
         for i, choice in enumerate(shared.choices)
@@ -216,13 +211,13 @@ def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list
     return Rms(rms({n: x.prepared for n, x in joints.items()}), rms(kept_back))
 
 
-def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
-    found = shared.settled.found
+def _stated(shared: Settled, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
+    found = shared.found
     causes = tuple(
         SharedCause(
             cause=found.causes[i].name,
             place=found.causes[i].place,
-            parameters=_estimates(found, i, shared.settled.covariance[i]),
+            parameters=_estimates(found, i, shared.covariance[i]),
             evidence=choice.evidence,
             joints={n: (x.without[i], x.with_all) for n, x in done.items() if i in x.without},
         )

@@ -15,6 +15,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.choose import Choice
 from frictionjoint.robot.clock import Clock
+from frictionjoint.robot.columns import Common
 from frictionjoint.robot.descend import descended
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
@@ -30,8 +31,9 @@ class Settled:
         joints: the joints with the laws fitted under these causes. clock: time blocks of them.
         each: a `map` for the fits of the joints, perhaps over processes.
         single_effects: labels of effects of single joints that are fitted too.
+        common: effects common to all joints, part of each joint's own model, with their evidence.
         covariance: covariance of the numbers of each cause, from sums over blocks of time, (k, k);
-            infinite for numbers that the logs do not determine. Of the final causes only.
+            infinite for numbers that the logs do not determine. As `common`, of the outcome only.
     """
 
     found: Found
@@ -40,6 +42,7 @@ class Settled:
     each: Each[FittedJoint, FittedJoint] = field(repr=False)
     choices: tuple[Choice, ...] = ()
     single_effects: frozenset[str] = frozenset()
+    common: tuple[tuple[Common, Choice], ...] = ()
     covariance: tuple[Array, ...] = field(default=(), repr=False)
 
     def with_cause(self, choice: Choice, numbers: Array) -> "Settled":

@@ -5,7 +5,7 @@ causes and laws together, drop redundant ones; until none is accepted.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -29,24 +29,14 @@ from frictionjoint.robot.ties import restated
 from frictionjoint.robot.workers import Each
 
 
-@dataclass(frozen=True)
-class Shared:
-    """Outcome of the search: causes with their numbers, and the joints under them; the evidence of
-    each; and effects common to all joints, part of each joint's own model, with theirs."""
-
-    settled: Settled
-    choices: tuple[Choice, ...]
-    common: tuple[tuple[Common, Choice], ...] = ()
-
-
 def shared_causes(
     joints: Sequence[FittedJoint],
     moving: Sequence[str],
     each: Each[FittedJoint, FittedJoint],
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
-) -> Shared:
-    """Run the search.
+) -> Settled:
+    """The causes in the model, with the joints fitted under them.
 
     Joints with a torque scale that their logs do not determine are left out.
 
@@ -59,7 +49,7 @@ def shared_causes(
     none = Found(Corrections.none(model))
     known = [j for j in joints if scale_is_determined(j.prepared, j.fit)]
     if not known:
-        return Shared(settle(joints, none, each), ())
+        return settle(joints, none, each)
     names = [j.name for j in known]
     alongs = known[0].alongs
     velocity = {n: np.concatenate([a.motion(n)[1] for a in alongs]) for n in names}
@@ -119,7 +109,8 @@ def shared_causes(
         # numbers that were fitted before effects of single joints were seen hold a part of them
         now = with_these.refitted()
     now = replace(now, single_effects=labels)
-    return Shared(now.with_covariance(), restated(now, open_ones), common)
+    choices = restated(now, open_ones)
+    return replace(now.with_covariance(), choices=choices, common=common)
 
 
 def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Choice], ...]:
