@@ -111,7 +111,7 @@ def close_loop_robot(
         require_own_columns(tasks, fitted)
         shared = shared_causes(list(fitted.values()), logs.moving, each, how.seed, how.progress)
         corrected = _state(model, shared.found)
-        ready = [_with_causes(tasks[n], x, shared, corrected) for n, x in fitted.items()]
+        ready = [Corrected(tasks[n], x, shared, corrected) for n, x in fitted.items()]
         outcomes = _side_by_side(ready, each, how.progress)
     done = {n: x for n, x in outcomes.items() if not isinstance(x, str)}
     failed |= {n: x for n, x in outcomes.items() if isinstance(x, str)}
@@ -156,17 +156,6 @@ def _first(task: Task) -> FittedJoint | str:
         return first_fit(task.logs, task.user.mjcf, task.joint, task.fixed, task.controller)
     except FrictionJointError as error:
         return str(error)
-
-
-def _with_causes(task: Task, first: FittedJoint, shared: Settled, model: State) -> Corrected:
-    """A task with the corrected model, and with the corrections without each cause."""
-    found = shared.found
-    without = {
-        i: found.without(i).state
-        for i, choice in enumerate(shared.choices)
-        if task.joint in choice.candidate.joints
-    }
-    return Corrected(task, model, found.original, found.state, without, first.fit.shape)
 
 
 def _state(model: str | Path, found: Found) -> State:

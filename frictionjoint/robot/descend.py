@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from frictionjoint.arrays import Array, Index
+from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.robot.causes.cause import Cause, Found, composed
@@ -40,7 +40,7 @@ def descended(
             which are refitted like the laws.
     """
     here = found.state
-    places = _places(found)
+    places = _Places(found)
     if not len(places):
         return found
     factor, target = _squares(joints, blocks, here, places, own)
@@ -159,13 +159,24 @@ def _moved(state: Corrections, place: _Place, by: float) -> Corrections:
     return replace(state, **{kind: values | {which: values.get(which, 0.0) + by}})
 
 
-@dataclass(frozen=True)
 class _Places:
     """Coordinates that causes change: parameters of bodies, by body and number, then others."""
 
-    bodies: Index
-    numbers: Index
-    others: tuple[_Place, ...]
+    def __init__(self, found: Found) -> None:
+        bodies: dict[tuple[int, int], None] = {}
+        places: dict[_Place, None] = {}
+        for i in range(len(found.causes)):
+            for low, high, _ in found.pairs(i):
+                for b in np.flatnonzero(np.any(low.phi != high.phi, axis=1)):
+                    bodies |= dict.fromkeys((int(b), k) for k in range(TEN))
+                if np.any(low.gravity != high.gravity):  # one that a small turn hardly changes, too
+                    places |= dict.fromkeys(("gravity", 0, k) for k in range(3))
+                before, after = _coordinates(low), _coordinates(high)
+                places |= dict.fromkeys(p for p in after if before.get(p) != after[p])
+        self.bodies, self.numbers = (
+            np.array([key[k] for key in bodies], dtype=np.int64) for k in (0, 1)
+        )
+        self.others = tuple(places)
 
     def __len__(self) -> int:
         return len(self.bodies) + len(self.others)
@@ -174,21 +185,6 @@ class _Places:
         for b, k in zip(self.bodies.tolist(), self.numbers.tolist(), strict=True):
             yield "phi", b, k
         yield from self.others
-
-
-def _places(found: Found) -> _Places:
-    bodies: dict[tuple[int, int], None] = {}
-    places: dict[_Place, None] = {}
-    for i in range(len(found.causes)):
-        for low, high, _ in found.pairs(i):
-            for b in np.flatnonzero(np.any(low.phi != high.phi, axis=1)):
-                bodies |= dict.fromkeys((int(b), k) for k in range(TEN))
-            if np.any(low.gravity != high.gravity):  # one that a small turn hardly changes, too
-                places |= dict.fromkeys(("gravity", 0, k) for k in range(3))
-            before, after = _coordinates(low), _coordinates(high)
-            places |= dict.fromkeys(p for p in after if before.get(p) != after[p])
-    at, numbers = (np.array([key[k] for key in bodies], dtype=np.int64) for k in (0, 1))
-    return _Places(at, numbers, tuple(places))
 
 
 def _read(state: Corrections, places: _Places) -> Array:
