@@ -74,8 +74,7 @@ def run(*arguments, data=None):
 def test_list_names_every_set_with_its_licence():
     done = run("list")
     assert done.returncode == 0, done.stderr
-    for data in list_data():
-        assert data.name in done.stdout
+    assert all(data.name in done.stdout for data in list_data())
     found = json.loads(run("list", "--json").stdout)
     assert [(x["name"], x["licence"]) for x in found] == [(x.name, x.licence) for x in list_data()]
     assert all(row["files"] for row in found)

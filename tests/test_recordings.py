@@ -19,11 +19,10 @@ from frictionjoint.control.controller import Controller
 from frictionjoint.errors import LogError
 from frictionjoint.files import toml_document
 from frictionjoint.measured.log import JointLog
-from frictionjoint.recordings.between import Between
+from frictionjoint.recordings.between import Between, moderated
 from frictionjoint.recordings.drift import drift, known_of
 from frictionjoint.recordings.estimate import Estimates, Known
 from frictionjoint.recordings.in_report import with_recordings
-from frictionjoint.recordings.variances import moderated
 from frictionjoint.refine.posterior import Posterior, numbers_in
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import install

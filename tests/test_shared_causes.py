@@ -14,8 +14,7 @@ from arms.arm import (
 )
 from arms.fitted import fitted_joints
 
-from frictionjoint.robot.settle import Settled
-from frictionjoint.robot.shared import shared_causes
+from frictionjoint.robot.shared import Settled, shared_causes
 
 SECONDS = 8.0
 

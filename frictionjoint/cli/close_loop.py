@@ -40,7 +40,7 @@ Seed = Annotated[
 
 
 @reads_logs("gain", "signal", "fixed", "controller")
-def close_loop_command(
+def close_loop(
     model: Model,
     out: Annotated[Path, option("FOLDER", "Folder for the report.")],
     logs: Logs = None,

@@ -19,7 +19,7 @@ from frictionjoint.cli.logs import (
 )
 from frictionjoint.cli.output import Force, Json, print_json, require_writable
 from frictionjoint.cli.plain_help import option
-from frictionjoint.cli.terminal import console, progress, show_estimates
+from frictionjoint.cli.terminal import console, progress, show_table
 from frictionjoint.law.names import LAWS
 
 Joint = Annotated[
@@ -47,6 +47,7 @@ def identify(
     Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
     from frictionjoint.identify.run import identify_law
+    from frictionjoint.report.numbers import law_numbers
     from frictionjoint.report.write import write_files
 
     with progress() as say:
@@ -62,7 +63,11 @@ def identify(
     if as_json:
         print_json(found.to_dict())
         return
-    show_estimates(list(found.estimates.items()))
+    rows = (
+        (x.meaning, x.name, f"{x.text} (fixed)" if x.status == "fixed" else x.qualified)
+        for x in law_numbers(found.estimates)
+    )
+    show_table(("parameter", "symbol", "value ± standard error"), rows)
     for text in found.notes:
         console().print(f"* {text}", soft_wrap=True, markup=False)
     typer.echo(f"{found.residual} Wrote {out}")

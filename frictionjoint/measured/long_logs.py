@@ -38,7 +38,9 @@ def _shorter(log: JointLog, most: int) -> JointLog:
     n = len(log.time)
     if n <= most:
         return log
-    k = min(-(-n // most), _most_averaged(log))
+    _, position, dt = on_a_grid(log.part(slice(0, MOST_ROWS), ""))
+    # ten samples remain in the shortest period
+    k = min(-(-n // most), max(1, int(1.0 / (10.0 * motion_band(position, dt).whole * dt))))
     short = _averaged(log, k) if k > 1 else log
     done = [f"{k} samples averaged"] if k > 1 else []
     if len(short.time) > most:
@@ -52,12 +54,6 @@ def _shorter(log: JointLog, most: int) -> JointLog:
         stacklevel=3,
     )
     return replace(short, name=f"{log.name} ({text})")
-
-
-def _most_averaged(log: JointLog) -> int:
-    """Number of neighbours that can be averaged: ten samples remain in the shortest period."""
-    _, position, dt = on_a_grid(log.part(slice(0, MOST_ROWS), ""))
-    return max(1, int(1.0 / (10.0 * motion_band(position, dt).whole * dt)))
 
 
 def _averaged(log: JointLog, k: int) -> JointLog:

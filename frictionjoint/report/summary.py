@@ -101,14 +101,6 @@ class Summary:
         # mentioned from a tenth of the squared residual on
         return tuple(c for c in self.steps[-1] if c.gain >= 0.1 and c.p_value <= SIGNIFICANCE)
 
-    @property
-    def covered(self) -> str:
-        """The samples to which the errors and the search refer."""
-        # a statement on logs that are at rest half of the time must mention it
-        if self.at_rest < 0.5:
-            return "these logs"
-        return f"the {1.0 - self.at_rest:.0%} of the samples in which the joint moves"
-
     def error(self, quantity: str, stage: Stage) -> ErrorRow | None:
         rows = (e for e in self.errors if e.quantity == quantity and e.stage == stage)
         return next(rows, None)
@@ -153,7 +145,10 @@ def _missing(s: Summary) -> str:
                 f"residual (p = {three(best.p_value)}), {why}.{times}"
             )
         if noise and error is not None and error <= AT_THE_FLOOR * noise:
-            return f"nothing that {s.covered} can show; the error is hardly more than the noise."
+            # a statement on logs that are at rest half of the time must mention it
+            moving = f"the {1.0 - s.at_rest:.0%} of the samples in which the joint moves"
+            shown = "these logs" if s.at_rest < 0.5 else moving
+            return f"nothing that {shown} can show; the error is hardly more than the noise."
         return (
             "no effect was found; no known effect and no measured quantity explains a significant "
             "part of the error." + times

@@ -42,7 +42,7 @@ from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import Place, RobotLogs, by_place
 from frictionjoint.robot.settle import Settled
 from frictionjoint.robot.shared import shared_causes
-from frictionjoint.robot.workers import Each, processes, workers
+from frictionjoint.robot.workers import processes, workers
 from frictionjoint.threads import one_thread
 
 
@@ -110,17 +110,23 @@ def close_loop_robot(
             raise LogError(next(iter(failed.values())))
         require_own_columns(tasks, fitted)
         shared = shared_causes(list(fitted.values()), logs.moving, each, how.seed, how.progress)
-        corrected = _state(model, shared.found)
+        corrected = user
+        if shared.found.causes:
+            spec = read_spec(model)
+            write_corrections(spec, shared.found.state)
+            corrected = State(model_text(spec, model), shared.found.state.shafts)
         ready = [Corrected(tasks[n], x, shared, corrected) for n, x in fitted.items()]
-        outcomes = _side_by_side(ready, each, how.progress)
+        outcomes, explained = {}, iter(each(explain_joint, ready))
+        for i, name in enumerate(fitted):
+            how.progress(f"joint {i + 1} of {len(fitted)}: {name}")
+            outcomes[name] = next(explained)
     done = {n: x for n, x in outcomes.items() if not isinstance(x, str)}
     failed |= {n: x for n, x in outcomes.items() if isinstance(x, str)}
     if not done:
         raise LogError(next(iter(failed.values())))
     how.progress("choosing what to record next")
-    settled = shared.joints
-    known = information(settled, logs.moving)
-    excitation = next_trajectory(settled, logs.moving, known, how.seed)
+    known = information(shared.joints, logs.moving)
+    excitation = next_trajectory(shared.joints, logs.moving, known, how.seed)
     how.progress("simulating all joints together")
     poses = next(iter(fitted.values())).alongs[0].body.named_poses
     spec = read_spec(corrected.mjcf)
@@ -156,30 +162,6 @@ def _first(task: Task) -> FittedJoint | str:
         return first_fit(task.logs, task.user.mjcf, task.joint, task.fixed, task.controller)
     except FrictionJointError as error:
         return str(error)
-
-
-def _state(model: str | Path, found: Found) -> State:
-    """The user's model with causes added."""
-    if not found.causes:
-        return State(model)
-    spec = read_spec(model)
-    write_corrections(spec, found.state)
-    return State(model_text(spec, model), found.state.shafts)
-
-
-def _side_by_side(
-    joints: list[Corrected],
-    each: Each[Corrected, Explained | str],
-    progress: Callable[[str], None],
-) -> dict[str, Explained | str]:
-    """The outcome of each joint by its name."""
-    names = [joint.task.joint for joint in joints]
-    found = {}
-    explained = iter(each(explain_joint, joints))
-    for i, name in enumerate(names):
-        progress(f"joint {i + 1} of {len(names)}: {name}")
-        found[name] = next(explained)
-    return found
 
 
 def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list[float]]) -> Rms:
