@@ -135,7 +135,10 @@ def undetermined(
     """Rows with ``kind``, ``parameters`` and ``text``; `friction` is the law of each joint."""
     base = BaseParameters(found)
     unseen = _by_owner(found, base.unseen, "without effect", "no effect on these torques")
-    rows = [*_sums(found, base), *unseen, *_loose(found, base)]
+    # ten correlated samples count as one
+    at = base.base[errors(found, base.base) * np.sqrt(10.0) > LOOSE]
+    text = f"known to no better than {LOOSE:.0%} of the model's own size"
+    rows = [*_sums(found, base), *unseen, *_by_owner(found, at, "loose", text)]
     for joint, estimates in friction.items():
         status = {n: status_of(n, estimates) for n in estimates}
         names = [n for n, x in status.items() if x in ("assumed", "not determined")]
@@ -143,7 +146,8 @@ def undetermined(
             assumed = {n: " (assumed)" if status[n] == "assumed" else "" for n in names}
             words = dict.fromkeys(meaning(n.partition("_")[0]) + assumed[n] for n in names)
             text = f"friction of {joint}: {', '.join(words)}"
-            rows.append(_row("friction", names, text, joint=joint))
+            place = {"kind": "friction", "joint": joint}
+            rows.append(place | {"parameters": names, "text": text})
     return tuple(rows)
 
 
@@ -158,34 +162,20 @@ def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
         names, partners = owners.setdefault(p.owner, ([], []))
         names.append(p.name)
         partners += [x.owner for x in parts]
+    sums = "only in sums"
     return [
-        _row(
-            "only in sums",
-            names,
-            f"{', '.join(names)} of {owner}: only in sums with parameters of "
-            f"{', '.join(dict.fromkeys(partners))}",
-            owner=owner,
-        )
+        _row(sums, owner, names, f"{sums} with parameters of {', '.join(dict.fromkeys(partners))}")
         for owner, (names, partners) in owners.items()
     ]
-
-
-def _loose(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
-    # ten correlated samples count as one
-    loose = base.base[errors(found, base.base) * np.sqrt(10.0) > LOOSE]
-    text = f"known to no better than {LOOSE:.0%} of the model's own size"
-    return _by_owner(found, loose, "loose", text)
 
 
 def _by_owner(found: Information, at: Iterable[int], kind: str, text: str) -> list[dict[str, Any]]:
     owners: dict[str, list[str]] = {}
     for k in sorted(at):
         owners.setdefault(found.parameters[k].owner, []).append(found.parameters[k].name)
-    return [
-        _row(kind, names, f"{', '.join(names)} of {owner}: {text}", owner=owner)
-        for owner, names in owners.items()
-    ]
+    return [_row(kind, owner, names, text) for owner, names in owners.items()]
 
 
-def _row(kind: str, names: list[str], text: str, **place: str) -> dict[str, Any]:
-    return {"kind": kind, **place, "parameters": names, "text": text}
+def _row(kind: str, owner: str, names: list[str], text: str) -> dict[str, Any]:
+    row = {"kind": kind, "owner": owner, "parameters": names}
+    return row | {"text": f"{', '.join(names)} of {owner}: {text}"}
