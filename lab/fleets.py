@@ -21,7 +21,7 @@ from frictionjoint.files import toml_document
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
 from frictionjoint.recordings.drift import judged
-from frictionjoint.recordings.estimate import Known, estimate
+from frictionjoint.recordings.estimate import Estimates, Known
 from frictionjoint.refine.posterior import numbers_in
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import install
@@ -109,7 +109,7 @@ def main():
         size = (2, asked.fleets * RECORDINGS)
         each = 1.0 + spread * np.stack([rng.standard_normal(size) for rng in rngs], axis=1)
         logs = simulated(rngs, COULOMB * each[0], VISCOUS * each[1])
-        found = [estimate(known, log) for log in logs]
+        found = [Estimates(known, log) for log in logs]
         fleets = [found[i : i + RECORDINGS] for i in range(0, len(found), RECORDINGS)]
         for name, value in {"Fc": COULOMB, "sigma2": VISCOUS}.items():
             i = [number.name for number in known.numbers].index(name)

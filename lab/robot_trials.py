@@ -35,7 +35,8 @@ from arms.arm import (
 from arms.fitted import fitted_joints
 
 from frictionjoint.errors import FrictionJointError
-from frictionjoint.robot.shared import Shared, shared_causes
+from frictionjoint.robot.settle import Settled
+from frictionjoint.robot.shared import shared_causes
 
 KINDS = (
     "payload",
@@ -90,15 +91,15 @@ def _hide(arm: Arm, kind: str, rng: np.random.Generator) -> None:
         hide_load_dependence(arm, joint, rng.uniform(0.08, 0.2))
 
 
-def searched(arm: Arm, number: int) -> Shared:
+def searched(arm: Arm, number: int) -> Settled:
     """Shared causes in two logs."""
     joints = fitted_joints(arm, (2 * number, 2 * number + 1), SECONDS)
     return shared_causes(joints, arm.joints, map)
 
 
-def said(found: Shared) -> list[dict[str, Any]]:
+def said(found: Settled) -> list[dict[str, Any]]:
     """Name, place and values of each cause, and of effects that all joints are said to have."""
-    settled = found.settled.found
+    settled = found.found
     causes = [
         {
             "cause": c.name,

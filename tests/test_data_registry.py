@@ -1,8 +1,12 @@
-"""Public data: hashes hold, a local copy is used, no network is one line."""
+"""Public data: hashes hold, a local copy is used, no network is one line; the command `data`."""
 
+import json
+import os
 import socket
 from pathlib import Path
+from unittest import mock
 
+import command_line
 import pooch
 import pytest
 
@@ -60,3 +64,24 @@ def test_an_altered_or_missing_local_file(tmp_path: Path, monkeypatch: pytest.Mo
         get_data("emps")
     with pytest.raises(LogError, match="emps, panda, xl330"):
         get_data("atlas")
+
+
+def run(*arguments, data=None):
+    with mock.patch.dict(os.environ, {"FRICTIONJOINT_DATA": str(data)} if data else {}):
+        return command_line.run("data", *arguments, cwd=Path())
+
+
+def test_list_names_every_set_with_its_licence():
+    done = run("list")
+    assert done.returncode == 0, done.stderr
+    assert all(data.name in done.stdout for data in list_data())
+    found = json.loads(run("list", "--json").stdout)
+    assert [(x["name"], x["licence"]) for x in found] == [(x.name, x.licence) for x in list_data()]
+    assert all(row["files"] for row in found)
+
+
+@pytest.mark.parametrize("name", [x.name for x in list_data()])
+def test_get_tells_where_the_logs_lie(name, measured_data):
+    found = json.loads(run("get", name, "--json", data=measured_data).stdout)
+    assert found["licence"]
+    assert all(os.path.exists(log) for log in found["logs"])

@@ -5,6 +5,7 @@ import os
 import mujoco
 import numpy as np
 import pytest
+from test_state import FRICTION, KNOTS
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
@@ -26,10 +27,6 @@ except Exception as error:
 from frictionjoint.simulate import dm_control as dm
 from frictionjoint.simulate.carrier import read_friction
 
-KNOTS = ((1e-4, 1.5), (3e-4, 2.5), (1e-3, 3.2))
-FRICTION = fj.FrictionParameters.symmetric(
-    Fs=1.5, Fc=1.0, Vs=0.01, sigma2=0.4, sigma1=0.5, n=2, knots=KNOTS
-)
 LEVELS = (0.5, 1.0, 1.5)
 SAMPLES = [
     fj.FrictionParameters.symmetric(Fs=Fs, Fc=0.7 * Fs, Vs=0.01, sigma2=0.4, n=2, knots=KNOTS)

@@ -3,6 +3,7 @@
 import os
 import re
 import runpy
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -122,3 +123,17 @@ def test_sysid_finds_a_joint_made_with_another_law(tmp_path):
         true, started, found = numbers(rf"{name} ", text)
         assert found == pytest.approx(true, rel=tolerance), name
         assert abs(found - true) < 0.5 * abs(started - true), name
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.ipynb")), ids=lambda p: p.stem)
+def test_a_notebook_runs(path, tmp_path):
+    shutil.copytree(EXAMPLES / "recording", tmp_path / "recording")
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    notebook = nbformat.read(path, as_version=4)
+    nbclient.NotebookClient(
+        notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    cells = [c for c in notebook.cells if c.cell_type == "code"]
+    assert all(c.execution_count for c in cells)
+    assert any("text/html" in o.get("data", {}) for c in cells for o in c.outputs)
+    assert any("image/png" in o.get("data", {}) for o in cells[-1].outputs), "it ends with a plot"

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from frictionjoint.errors import LogError
-from frictionjoint.measured.gaps import split_at_gaps
-from frictionjoint.measured.log import JointLog, split_in_time
+from frictionjoint.measured.derivatives import speed_note
+from frictionjoint.measured.log import JointLog, split_at_gaps, split_in_time
 from frictionjoint.measured.long_logs import bounded
 from frictionjoint.measured.readers import read_log
-from frictionjoint.measured.velocity_check import speed_note
 
 N, DT = 400, 0.002
 

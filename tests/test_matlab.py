@@ -1,4 +1,4 @@
-"""MATLAB 5 files: what scipy writes is read to the last bit; corrupt ones end in an error."""
+"""MATLAB and HDF5 files: what is written is read to the last bit; corrupt ones end in an error."""
 
 import struct
 from pathlib import Path
@@ -10,6 +10,7 @@ from scipy.io import loadmat, savemat
 from frictionjoint.errors import LogError
 from frictionjoint.measured import matlab
 from frictionjoint.measured.arrays import mat_columns
+from frictionjoint.measured.readers import read_log
 
 KINDS = ["f8", "f4", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "?"]
 COUNT = np.arange(12).reshape(3, 4)
@@ -17,6 +18,10 @@ PLAIN = {f"x_{kind.replace('?', 'b')}": COUNT.astype(kind) for kind in KINDS}
 # what a short element holds, beside names of 1 to 31 letters
 PLAIN |= {"q": np.array([1.5]), "abcdefgh": np.zeros((0, 3)), "y" * 31: np.ones((2, 1, 2))}
 OTHERS = {"text": "abc", "pair": {"a": 1.0}, "turn": np.array([1 + 2j]), "cells": np.empty(2, "O")}
+
+T = np.arange(300) / 200.0
+Q = 0.4 * np.sin(3.0 * T)
+COLUMNS = {"time_s": "200Hz", "position_rad": "observations/qpos[1]", "torque_nm": "effort"}
 
 
 @pytest.fixture(params=[False, True], ids=["plain", "compressed"])
@@ -58,3 +63,29 @@ def test_a_data_type_without_a_number_is_an_error(tmp_path: Path) -> None:
         (tmp_path / "log.mat").write_bytes(content)
         with pytest.raises(LogError, match=r"log.mat: .*corrupt"):
             mat_columns(tmp_path / "log.mat", ["time_s"])
+
+
+@pytest.mark.parametrize("name", ["a.h5", "a.hdf5", "a.mat"])
+def test_arrays_are_named_by_their_path(tmp_path: Path, name: str) -> None:
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / name
+    with h5py.File(path, "w", userblock_size=512 if name == "a.mat" else 0) as file:
+        columns = np.column_stack([T, Q])
+        file["observations/qpos"] = columns.T if name == "a.mat" else columns
+        file["effort"] = 2.0 * Q
+        file["name"] = "arm"
+    log = read_log(path, columns=COLUMNS)
+    np.testing.assert_allclose(log.position, Q)
+    np.testing.assert_allclose(log.time, T, atol=1e-12)
+    with pytest.raises(LogError, match=r"it has effort, observations/qpos"):
+        read_log(path)
+    with pytest.raises(LogError, match=r"a column: observations/qpos\[0\] to observations/qpos\[1"):
+        read_log(path, columns=COLUMNS | {"position_rad": "observations/qpos"})
+
+
+def test_a_file_that_is_cut_off_is_one_line(tmp_path: Path) -> None:
+    pytest.importorskip("h5py")
+    path = tmp_path / "a.h5"
+    path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(40))
+    with pytest.raises(LogError, match="is it whole"):
+        read_log(path, columns=COLUMNS)

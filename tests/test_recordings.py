@@ -19,11 +19,10 @@ from frictionjoint.control.controller import Controller
 from frictionjoint.errors import LogError
 from frictionjoint.files import toml_document
 from frictionjoint.measured.log import JointLog
-from frictionjoint.recordings.between import between
+from frictionjoint.recordings.between import Between, moderated
 from frictionjoint.recordings.drift import drift, known_of
-from frictionjoint.recordings.estimate import Known, estimate
+from frictionjoint.recordings.estimate import Estimates, Known
 from frictionjoint.recordings.in_report import with_recordings
-from frictionjoint.recordings.variances import moderated
 from frictionjoint.refine.posterior import Posterior, numbers_in
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import install
@@ -86,8 +85,8 @@ def value(found, name):
 
 
 def test_a_recording_says_what_changed() -> None:
-    before = estimate(known(), recording(1))
-    after = estimate(known(), recording(2, Fc=0.36, sigma2=0.10))
+    before = Estimates(known(), recording(1))
+    after = Estimates(known(), recording(2, Fc=0.36, sigma2=0.10))
     assert value(before, "Fc")[0] == pytest.approx(FC, rel=0.03)
     assert value(before, "sigma2")[0] == pytest.approx(SIGMA2, rel=0.06)
     assert value(after, "Fc")[0] == pytest.approx(0.36, rel=0.03)
@@ -237,7 +236,7 @@ def test_intervals_over_recordings_hold_what_they_say(tau: float, apart: float) 
         y = 1.0 + tau * rng.standard_normal(6) + np.sqrt(variance) * rng.standard_normal(6)
         block = variance * rng.chisquare(6, 6) / 6.0
         one, shared = moderated(block, independent, np.full(6, 6.0))
-        found = between(y, np.sqrt(one), shared)
+        found = Between(y, np.sqrt(one), shared)
         inside.append(found.interval[0] < 1.0 < found.interval[1])
         alarms.append(found.p_value < 0.05)
     assert 0.90 < np.mean(inside) < 0.98

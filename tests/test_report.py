@@ -205,3 +205,12 @@ def test_values_stand_to_the_second_figure_of_their_error(value, stderr, text):
     assert wording.value(Estimate(value, stderr, "N m"), spread=True) == text.replace(
         " ± ", "\u00a0±\u00a0"
     )
+
+
+def test_a_report_shows_itself_in_jupyter(demo_report):
+    text = replace(demo_report, joint="<b>elbow</b>")._repr_html_()
+    assert "<b>Missing:</b> Cogging." in text
+    assert "Coulomb friction" in text
+    assert "&lt;b&gt;elbow&lt;/b&gt;" in text
+    assert text.count("<img") == 1
+    assert "<script" not in text

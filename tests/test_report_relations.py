@@ -13,8 +13,8 @@ from reports import COGGING, LAW, empty, estimate, good, robot
 from frictionjoint.effects.catalogue import title
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.numbers import result_estimates
-from frictionjoint.report.robot_summary import summarise_robot
-from frictionjoint.report.summary import summarise
+from frictionjoint.report.robot_summary import RobotSummary
+from frictionjoint.report.summary import Summary
 from frictionjoint.report.text import summary_text
 from frictionjoint.report.wording import percentage, three
 
@@ -96,7 +96,7 @@ def content(request):
 def errors_shown(s):
     """Every error of the drive that is shown."""
     rows = [x for e in s.errors if e.unit == s.units[0] for x in e.values.values()]
-    rows += [x for log in s.logs for x in (log.before, log.after)]
+    rows += [x for log in s.logs for x in (log["before"], log["after"])]
     return [x for x in rows if x is not None]
 
 
@@ -105,7 +105,7 @@ def line(s, label):
 
 
 def test_no_error_is_below_the_noise(content):
-    s = summarise(content)
+    s = Summary(content)
     if s.noise_level is None:
         assert "not stated: its estimate" in s.noise or "cannot be determined" in s.noise
         assert "noise of the instruments" not in line(s, "Missing")
@@ -120,7 +120,7 @@ def test_no_error_is_below_the_noise(content):
 
 
 def test_what_is_called_missing_is_supported(content):
-    s = summarise(content)
+    s = Summary(content)
     for effect in s.effects:
         named = effect.title in line(s, "Missing").lower().split("; also in the model")[0]
         if effect.p_value > content["thresholds"]["p_value"]:
@@ -131,7 +131,7 @@ def test_what_is_called_missing_is_supported(content):
 
 
 def test_no_candidate_is_ahead_of_the_one_that_was_added(content):
-    s = summarise(content)
+    s = Summary(content)
     for step in s.steps:
         added = [c for c in step if c.outcome == "added"]
         assert len(added) <= 1
@@ -147,7 +147,7 @@ def test_no_candidate_is_ahead_of_the_one_that_was_added(content):
 
 
 def test_the_headline_is_the_table(content):
-    s = summarise(content)
+    s = Summary(content)
     text = line(s, "Error before and after") or line(s, "Error")
     for row in s.errors:
         value = row.values[s.role]
@@ -158,16 +158,16 @@ def test_the_headline_is_the_table(content):
 
 
 def test_the_headline_lies_between_its_logs(content):
-    s = summarise(content)
+    s = Summary(content)
     role = s.role.replace("_", "-")
     for row in s.errors:
-        own = [getattr(x, row.stage) for x in s.logs if x.role == role]
+        own = [x[row.stage] for x in s.logs if x["role"] == role]
         if row.unit == s.units[0] and None not in own:
             assert min(own) * (1 - 1e-9) <= row.values[s.role] <= max(own) * (1 + 1e-9)
 
 
 def test_a_fraction_is_one_of_the_drive_of_the_same_logs(content):
-    s = summarise(content)
+    s = Summary(content)
     for row in s.errors:
         for role, text in row.fractions.items():
             whole = content["drive"]["rms"][row.stage][role]
@@ -176,7 +176,7 @@ def test_a_fraction_is_one_of_the_drive_of_the_same_logs(content):
 
 
 def test_an_effect_has_one_name(content):
-    s = summarise(content)
+    s = Summary(content)
     for effect in s.effects:
         assert effect.title == title(effect.name)
         chosen = [c.title for step in s.steps for c in step if c.outcome == "added"]
@@ -186,7 +186,7 @@ def test_an_effect_has_one_name(content):
 
 
 def test_the_card_is_what_the_model_contains(content):
-    s = summarise(content)
+    s = Summary(content)
     inside = {x.name: x.text for x in s.parameters}
     for number in s.friction:
         if inside and number.name in inside:
@@ -199,14 +199,14 @@ def test_the_card_is_what_the_model_contains(content):
 def test_a_note_is_said_once_and_the_terminal_has_at_most_five(content):
     notes = [f"log{i}: a gap of {i} s" for i in range(4)] + ["one", "one"]
     notes += [f"thing {'x' * i} to know" for i in range(8)]
-    s = summarise(content | {"notes": notes})
+    s = Summary(content | {"notes": notes})
     assert len(set(s.notes)) == len(s.notes) == 10
     told = summary_text(content | {"notes": notes}).splitlines()
     assert sum(x.startswith("* ") for x in told) == 6  # with the line that counts the rest
 
 
 def test_a_verdict_agrees_with_what_was_added(content):
-    s = summarise(content)
+    s = Summary(content)
     missing = line(s, "Missing").lower()
     if s.verdict in ("no-effect-found", "too-short-to-tell"):
         assert not s.effects
@@ -220,20 +220,20 @@ def test_a_verdict_agrees_with_what_was_added(content):
 
 
 def test_a_statement_on_logs_mostly_at_rest_is_on_the_moving_part():
-    assert "24% of the samples" in line(summarise(REPORTS["empty, mostly at rest"]), "Missing")
+    assert "24% of the samples" in line(Summary(REPORTS["empty, mostly at rest"]), "Missing")
 
 
 def test_an_implausible_noise_is_withheld_with_its_reason():
-    assert "cannot be determined" in summarise(REPORTS["noise far above the error"]).noise
-    assert "less than instruments resolve" in summarise(REPORTS["noise of a millionth"]).noise
+    assert "cannot be determined" in Summary(REPORTS["noise far above the error"]).noise
+    assert "less than instruments resolve" in Summary(REPORTS["noise of a millionth"]).noise
     # within the error of the estimate the noise is at most what remains
-    assert summarise(REPORTS["noise above the error"]).noise_level == 0.02
+    assert Summary(REPORTS["noise above the error"]).noise_level == 0.02
 
 
 def test_a_robot_has_the_figures_of_its_joints():
-    s = summarise_robot(ROBOT)
+    s = RobotSummary(ROBOT)
     for row in s.rows:
-        own = summarise(joint_content(ROBOT, row.joint))
+        own = Summary(joint_content(ROBOT, row.joint))
         shown = [e.fractions[own.role] for e in own.errors if e.unit == own.units[0]][:2]
         assert row.torque == " → ".join(shown)
         for name, text in zip(("Fc", "Fs", "sigma2", "stiffness"), row.friction, strict=True):
@@ -252,6 +252,6 @@ def test_a_robot_has_the_figures_of_its_joints():
 def test_what_held_out_logs_leave_to_chance_is_said():
     pairs = {"before": [0.02, 0.25], "after": [0.02, 0.24]}
     replay = {"before": [0.001, 0.04], "after": [0.001, 0.04]}
-    s = summarise(good(intervals={"torque_rms": pairs, "replay_rms": replay}))
+    s = Summary(good(intervals={"torque_rms": pairs, "replay_rms": replay}))
     assert "no more than chance" in line(s, "Missing")
-    assert "no more than chance" not in line(summarise(good()), "Missing")
+    assert "no more than chance" not in line(Summary(good()), "Missing")

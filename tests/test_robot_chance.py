@@ -27,18 +27,9 @@ def curves(k, rng):
 def stack_of(columns, residuals):
     """Joints that have all columns, each with a residual of its own."""
     at = np.arange(columns.shape[1])
-    joints = [
-        JointGram(
-            f"j{i}",
-            N,
-            joint_gram(LAW, columns, e, OF_BLOCK, COUNT),
-            at,
-            1.0,
-            1.0,
-            np.zeros(COUNT),
-        )
-        for i, e in enumerate(residuals)
-    ]
+    grams = [joint_gram(LAW, columns, e, OF_BLOCK, COUNT) for e in residuals]
+    rest = at, 1.0, 1.0, np.zeros(COUNT)
+    joints = [JointGram(f"j{i}", N, G, *rest) for i, G in enumerate(grams)]
     return Stack(joints, CLOCK, np.zeros(len(at)), np.zeros(len(at)))
 
 

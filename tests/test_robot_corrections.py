@@ -15,14 +15,19 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
 from frictionjoint.robot.along import Along
-from frictionjoint.robot.body import CorrectedBody
 from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia
 from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.causes.joint_offset import JointOffset
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.causes.rotor_inertia import RotorInertia
-from frictionjoint.robot.corrections import Corrections, Shaft, tendons_bend, write_corrections
+from frictionjoint.robot.corrections import (
+    CorrectedBody,
+    Corrections,
+    Shaft,
+    tendons_bend,
+    write_corrections,
+)
 
 JOINTS = ("j1", "j2", "j3")
 

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from frictionjoint.identify.result import Estimate
@@ -11,7 +12,8 @@ from frictionjoint.report.folder import made
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.page import render, render_robot
 from frictionjoint.report.robot_report import RobotErrors, RobotReport, SharedCause
-from frictionjoint.report.robot_summary import summarise_robot
+from frictionjoint.report.robot_summary import RobotSummary
+from frictionjoint.robot.information import Information, Parameter, undetermined
 
 PARTS = {
     "verdict": 'class="verdict partly-explained"',
@@ -85,7 +87,7 @@ def test_each_part_is_there(page, part):
 
 
 def test_the_page_of_a_joint_has_the_errors_of_the_robots_page(robot):
-    s = summarise_robot(content(robot))
+    s = RobotSummary(content(robot))
     for row in s.rows:
         own = render(robot.joints[row.joint], joint_content(content(robot), row.joint))
         for percent in row.torque.split(" → "):
@@ -117,3 +119,17 @@ def test_the_summary_says_what_fell_and_what_did_not(robot):
 def test_a_robot_says_in_a_line_what_it_is_and_draws_every_joint(robot):
     assert repr(robot).startswith("RobotReport(elbow: explained, wrist: partly-explained")
     assert len(robot.plot().axes) == 2 * len(robot.joints)
+
+
+def test_each_entry_of_what_is_undetermined_names_parameters_and_says_what_is_unknown():
+    owned = (("arm", "mass"), ("hand", "mass"), ("hand", "Ixx"), ("hand", "Iyy"))
+    columns = np.array([[1e3, 1e3, 0.0, 0.0], [2e3, 2e3, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    parameters = tuple(Parameter(owner, name, 1.0) for owner, name in owned)
+    found = Information(parameters, columns.T @ columns)
+    rows = undetermined(found, {"elbow": {"Fc": Estimate(1.0, 0.9, "N m")}})
+    assert [row["text"] for row in rows] == [
+        "mass of hand: only in sums with parameters of arm",
+        "Ixx of hand: no effect on these torques",
+        "Iyy of hand: known to no better than 50% of the model's own size",
+        "friction of elbow: Coulomb friction",
+    ]

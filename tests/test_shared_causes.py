@@ -14,19 +14,19 @@ from arms.arm import (
 )
 from arms.fitted import fitted_joints
 
-from frictionjoint.robot.shared import Shared, shared_causes
+from frictionjoint.robot.shared import Settled, shared_causes
 
 SECONDS = 8.0
 
 
-def found_in(arm: Arm, seeds: tuple[int, ...] = (1, 2), seconds: float = SECONDS) -> Shared:
+def found_in(arm: Arm, seeds: tuple[int, ...] = (1, 2), seconds: float = SECONDS) -> Settled:
     """Shared causes in two short logs of an arm."""
     return shared_causes(fitted_joints(arm, seeds, seconds), arm.joints, map)
 
 
-def values(found: Shared) -> list[tuple[str, dict[str, str], dict[str, float]]]:
+def values(found: Settled) -> list[tuple[str, dict[str, str], dict[str, float]]]:
     """Name, place and values of each cause."""
-    settled = found.settled.found
+    settled = found.found
     return [
         (c.name, c.place, {n: v for n, (v, _) in c.values(settled.original, x).items()})
         for c, x in zip(settled.causes, settled.numbers, strict=True)
@@ -124,6 +124,6 @@ def test_a_supply_below_its_scale_is_one_gain_of_all_drives():
     assert (common.term.name, common.joints) == ("torque-gain", ("j1", "j2"))
     assert common.parameters["gain"].value == pytest.approx(-0.12, rel=0.05)
     # rows are in units of what is left beside it, or the joint with least gravity decides
-    for joint in found.settled.joints:
+    for joint in found.joints:
         assert joint.common_effects[0].name == "torque-gain"
         assert joint.left <= joint.rms < 0.1 * joint.fit.rms

@@ -10,7 +10,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from frictionjoint.cli.close_loop import close_loop_command
+from frictionjoint.cli.close_loop import close_loop
 from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
 from frictionjoint.cli.demo import demo
@@ -77,12 +77,8 @@ def options(
     """Options that all commands share; the help text is that of the app."""
 
 
-app.command(cls=PlainCommand)(demo)
-app.command(cls=PlainCommand)(plot)
-app.command("close-loop", cls=PlainCommand)(close_loop_command)
-for command in (evaluate, identify, compare, inspect, sample, drift):
-    app.command(cls=PlainCommand)(command)
-for command in (install, uninstall, check, view, export):
+fits = demo, plot, close_loop, evaluate, identify, compare, inspect, sample, drift
+for command in (*fits, install, uninstall, check, view, export):
     app.command(cls=PlainCommand)(command)
 app.add_typer(motors, name="motors")
 app.add_typer(data, name="data")

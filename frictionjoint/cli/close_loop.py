@@ -4,7 +4,7 @@ import shlex
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,39 +19,37 @@ from frictionjoint.cli.logs import (
     joints_of,
     log_paths,
     models_of,
+    named,
     paths_of,
     reads_logs,
 )
 from frictionjoint.cli.output import Force, Json, Open, open_page, print_json, require_writable
-from frictionjoint.cli.robot import robots_of, show_units
-from frictionjoint.cli.terminal import progress, show_report
+from frictionjoint.cli.plain_help import argument, option
+from frictionjoint.cli.terminal import console, progress, show_report, show_table
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.law.names import LAWS
 
-Logs = Annotated[
-    list[Path] | None, typer.Argument(metavar="LOG", help=f"{LOG_FORMATS} None with --robot.")
-]
-Law = Annotated[str | None, typer.Option("--law", help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")]
+if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
+    from frictionjoint.report.units_report import UnitsReport
+
+Logs = Annotated[list[Path] | None, argument("LOG", f"{LOG_FORMATS} None with --robot.")]
+Law = Annotated[str | None, typer.Option(help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")]
 Seed = Annotated[
-    int,
-    typer.Option(
-        min=0, metavar="INTEGER", help="Seed of the random tests. Equal seeds give equal reports."
-    ),
+    int, option("INTEGER", "Seed of the random tests. Equal seeds give equal reports.", min=0)
 ]
 
 
 @reads_logs("gain", "signal", "fixed", "controller")
-def close_loop_command(
+def close_loop(
     model: Model,
-    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Folder for the report.")],
+    out: Annotated[Path, option("FOLDER", "Folder for the report.")],
     logs: Logs = None,
     joint: Joints = None,
     held_out: Annotated[
         list[str] | None,
-        typer.Option(
-            "--held-out",
-            metavar="LOG|FRACTION",
-            help="A log to hold out, or the fraction of each log to hold out, at its end. "
+        option(
+            "LOG|FRACTION",
+            "A log to hold out, or the fraction of each log to hold out, at its end. "
             "Repeatable. Default: 0.25.",
         ),
     ] = None,
@@ -69,19 +67,17 @@ def close_loop_command(
     options: LogOptions = NO_OPTIONS,
     robot: Annotated[
         list[str] | None,
-        typer.Option(
-            "--robot",
-            metavar="NAME=LOG",
-            help="A log of one of several robots of one kind, instead of LOG. Repeatable, also for "
+        option(
+            "NAME=LOG",
+            "A log of one of several robots of one kind, instead of LOG. Repeatable, also for "
             "the same robot.",
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            "--scheduler",
-            metavar="ADDRESS",
-            help="Dask scheduler, tcp://HOST:PORT. Its workers analyse the joints of a robot; the "
+        option(
+            "ADDRESS",
+            "Dask scheduler, tcp://HOST:PORT. Its workers analyse the joints of a robot; the "
             "result is the same.",
         ),
     ] = None,
@@ -108,9 +104,8 @@ def close_loop_command(
     --model arm.urdf --out out`
     """
     from frictionjoint.report.folder import FILES, write_report, write_units_report
-    from frictionjoint.robot.close_loop import Options, close_loop_logs
+    from frictionjoint.robot.close_loop import Options, close_loop_logs, close_loop_units
     from frictionjoint.robot.logs import RobotLogs
-    from frictionjoint.robot.units import close_loop_units
 
     if not (logs or robot):
         raise LogError("no log: give one or more, or robots with --robot NAME=LOG")
@@ -160,3 +155,36 @@ def close_loop_command(
         typer.echo(f"\nReport: {out / 'report.html'}{model_file}")
     if open_it:
         open_page(out / "report.html")
+
+
+def robots_of(robots: list[str]) -> dict[str, list[Path]]:
+    """Logs by the robot's name, from texts NAME=LOG; FrictionJointError if a text does not have
+    that form, a name cannot name a folder, a log is given twice, or there is only one robot."""
+    found: dict[str, list[Path]] = {}
+    for text in robots:
+        name, path = named("--robot", text, "write NAME=LOG, e.g. left=left_arm.csv")
+        if "/" in name or name.startswith("."):
+            raise LogError(f"--robot {name}: give a name for a folder, without / and leading .")
+        if any(Path(path) in logs for logs in found.values()):
+            raise LogError(f"--robot {text}: this log is given twice, give each robot its own")
+        found.setdefault(name, []).append(Path(path))
+    if len(found) == 1:
+        raise LogError(f"--robot {name}: one robot is compared with none: give its logs as LOG")
+    return found
+
+
+def show_units(report: "UnitsReport") -> None:
+    """Each unit in a sentence, and their variation."""
+    from frictionjoint.report.page import unit_sentence
+
+    out = console()
+    for name, unit in report.units.items():
+        out.print(f"{name}: {unit_sentence(unit.to_dict())}", soft_wrap=True, markup=False)
+    for name, text in report.failed.items():
+        out.print(f"{name}: {text}", soft_wrap=True, markup=False)
+    rows = []
+    for label, row in report.rows:
+        error = "-" if row.error is None else f"{row.error:.2g}"
+        rows.append((row.owner, label, f"{row.mean:.4g}", f"{row.deviation:.2g}", error))
+    heads = "joint or cause", "parameter", "mean", "deviation over robots", "standard error of one"
+    show_table(heads, rows)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from frictionjoint.cli.output import Force, Json, print_json, require_writable
+from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.cli.terminal import progress, show_table
 from frictionjoint.errors import ParameterError
 
@@ -17,14 +18,12 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 def compare(
     parameters: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="TOML|REPORT",
-            help="Parameter files, as `identify` writes them, or report.json of `close-loop`.",
+        argument(
+            "TOML|REPORT",
+            "Parameter files, as `identify` writes them, or report.json of `close-loop`.",
         ),
     ],
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Drawing: .html, .png or .svg.")
-    ] = None,
+    out: Annotated[Path | None, option("FILE", "Drawing: .html, .png or .svg.")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:

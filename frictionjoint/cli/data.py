@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from frictionjoint.cli.output import Json, print_json
-from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
+from frictionjoint.cli.plain_help import PlainCommand, PlainGroup, argument
 from frictionjoint.cli.terminal import progress, show_table
 
 data = typer.Typer(
@@ -41,7 +41,7 @@ def list_command(as_json: Json = False) -> None:
 
 @data.command("get", cls=PlainCommand)
 def get_command(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name, as `data list` prints it.")],
+    name: Annotated[str, argument("NAME", "Name, as `data list` prints it.")],
     as_json: Json = False,
 ) -> None:
     """Fetch a data set and print where its logs are.

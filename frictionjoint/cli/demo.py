@@ -7,15 +7,14 @@ from typing import Annotated
 import typer
 
 from frictionjoint.cli.output import Force, Open, open_page, require_writable
+from frictionjoint.cli.plain_help import option
 from frictionjoint.cli.terminal import progress, show_report
 
 _FOLDER = Path("frictionjoint-demo")
 
 
 def demo(
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FOLDER", help="Folder for the results.")
-    ] = _FOLDER,
+    out: Annotated[Path, option("FOLDER", "Folder for the results.")] = _FOLDER,
     open_it: Open = False,
     force: Force = False,
 ) -> None:

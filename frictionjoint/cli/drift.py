@@ -14,14 +14,13 @@ from frictionjoint.cli.logs import (
     reads_logs,
 )
 from frictionjoint.cli.output import Json, print_json
+from frictionjoint.cli.plain_help import argument
 from frictionjoint.cli.terminal import progress, show_table
 
 
 @reads_logs("gain", "fixed", "controller")
 def drift(
-    report: Annotated[
-        Path, typer.Argument(metavar="REPORT", help="Folder of a report of close-loop.")
-    ],
+    report: Annotated[Path, argument("REPORT", "Folder of a report of close-loop.")],
     logs: Logs,
     joint: ReportJoint = None,
     options: LogOptions = NO_OPTIONS,

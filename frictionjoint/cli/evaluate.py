@@ -15,6 +15,7 @@ from frictionjoint.cli.logs import (
     reads_logs,
 )
 from frictionjoint.cli.output import Force, Json, require_writable
+from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.cli.terminal import console, progress, show_table
 
 FILES = ("evaluation.html", "evaluation.json")
@@ -22,14 +23,10 @@ FILES = ("evaluation.html", "evaluation.json")
 
 @reads_logs("gain", "fixed", "controller")
 def evaluate(
-    model: Annotated[
-        Path, typer.Argument(metavar="MODEL", help="MJCF or URDF, with any friction or none.")
-    ],
+    model: Annotated[Path, argument("MODEL", "MJCF or URDF, with any friction or none.")],
     logs: Logs,
     joint: Joints = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for a page with plots.")
-    ] = None,
+    out: Annotated[Path | None, option("FOLDER", "Folder for a page with plots.")] = None,
     options: LogOptions = NO_OPTIONS,
     force: Force = False,
     as_json: Json = False,

@@ -7,29 +7,22 @@ import typer
 
 from frictionjoint.cli.logs import Columns, columns_of
 from frictionjoint.cli.output import Force, Json, print_json, require_writable
+from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.cli.terminal import progress, show_table
 from frictionjoint.errors import ParameterError
 from frictionjoint.export.targets import FILES
 
 
 def export(
-    model: Annotated[
-        Path, typer.Argument(metavar="MODEL", help="MJCF that contains friction, see `install`.")
-    ],
-    to: Annotated[str, typer.Option("--to", metavar="TARGET", help="One of the programs above.")],
-    out: Annotated[
-        Path, typer.Option("--out", metavar="PATH", help="File to write, or a folder for it.")
-    ],
-    log: Annotated[
-        Path | None,
-        typer.Option("--log", metavar="LOG", help="Motion to fit and to state the error for."),
-    ] = None,
+    model: Annotated[Path, argument("MODEL", "MJCF that contains friction, see `install`.")],
+    to: Annotated[str, option("TARGET", "One of the programs above.")],
+    out: Annotated[Path, option("PATH", "File to write, or a folder for it.")],
+    log: Annotated[Path | None, option("LOG", "Motion to fit and to state the error for.")] = None,
     speeds: Annotated[
         str | None,
-        typer.Option(
-            "--speeds",
-            metavar="LOW:HIGH",
-            help="Speeds to fit and to state the error for, rad/s or m/s. Default without a log: "
+        option(
+            "LOW:HIGH",
+            "Speeds to fit and to state the error for, rad/s or m/s. Default without a log: "
             "0.1 to 20 Stribeck velocities, or up to 1 rad/s if friction does not fall with "
             "speed; for isaac, the speeds above the Stribeck range.",
         ),

@@ -18,25 +18,22 @@ from frictionjoint.cli.logs import (
     the_joint,
 )
 from frictionjoint.cli.output import Force, Json, print_json, require_writable
-from frictionjoint.cli.terminal import console, progress, show_estimates
+from frictionjoint.cli.plain_help import option
+from frictionjoint.cli.terminal import console, progress, show_table
 from frictionjoint.law.names import LAWS
 
 Joint = Annotated[
     str | None,
-    typer.Option(
-        "--joint",
-        metavar="NAME",
-        help="A joint in the model and in the logs. Default: the model's only joint.",
-    ),
+    option("NAME", "A joint in the model and in the logs. Default: the model's only joint."),
 ]
-Law = Annotated[str, typer.Option("--law", help=LAW_TO_FIT)]
+Law = Annotated[str, typer.Option(help=LAW_TO_FIT)]
 
 
 @reads_logs("gain", "signal", "fixed", "controller")
 def identify(
     logs: Logs,
     model: Model,
-    out: Annotated[Path, typer.Option("--out", metavar="TOML", help="Parameter file to write.")],
+    out: Annotated[Path, option("TOML", "Parameter file to write.")],
     joint: Joint = None,
     law: Law = LAWS[0],
     options: LogOptions = NO_OPTIONS,
@@ -50,6 +47,7 @@ def identify(
     Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
     """
     from frictionjoint.identify.run import identify_law
+    from frictionjoint.report.numbers import law_numbers
     from frictionjoint.report.write import write_files
 
     with progress() as say:
@@ -65,7 +63,11 @@ def identify(
     if as_json:
         print_json(found.to_dict())
         return
-    show_estimates(list(found.estimates.items()))
+    rows = (
+        (x.meaning, x.name, f"{x.text} (fixed)" if x.status == "fixed" else x.qualified)
+        for x in law_numbers(found.estimates)
+    )
+    show_table(("parameter", "symbol", "value ± standard error"), rows)
     for text in found.notes:
         console().print(f"* {text}", soft_wrap=True, markup=False)
     typer.echo(f"{found.residual} Wrote {out}")

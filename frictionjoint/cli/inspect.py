@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from frictionjoint.cli.output import Json, print_json
+from frictionjoint.cli.plain_help import argument
 from frictionjoint.cli.terminal import console
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -17,9 +16,7 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 
 
 def inspect(
-    file: Annotated[
-        Path, typer.Argument(metavar="MODEL|TOML", help="MJCF, URDF, or a parameter file.")
-    ],
+    file: Annotated[Path, argument("MODEL|TOML", "MJCF, URDF, or a parameter file.")],
     as_json: Json = False,
 ) -> None:
     """Print the friction numbers of every joint, with units.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.errors import NO_JOINT, FrictionJointError, LogError, ModelError
 from frictionjoint.law.names import LAWS
 
@@ -22,51 +23,41 @@ LOG_FORMATS = (
 )
 LAW_TO_FIT = f"Friction law to fit: {', '.join(LAWS)}."
 
-Logs = Annotated[list[Path], typer.Argument(metavar="LOG", help=LOG_FORMATS)]
+Logs = Annotated[list[Path], argument("LOG", LOG_FORMATS)]
 Joints = Annotated[
     list[str] | None,
-    typer.Option(
-        "--joint",
-        metavar="NAME",
-        help="A joint in the model and in the logs. Repeatable. Default: all joints whose drive "
+    option(
+        "NAME",
+        "A joint in the model and in the logs. Repeatable. Default: all joints whose drive "
         "the logs contain.",
     ),
 ]
-ReportJoint = Annotated[
-    str | None, typer.Option("--joint", metavar="NAME", help="Joint, if the report is of a robot.")
-]
+ReportJoint = Annotated[str | None, option("NAME", "Joint, if the report is of a robot.")]
 Columns = Annotated[
     list[str] | None,
-    typer.Option(
-        "--column",
-        metavar="OURS=THEIRS",
-        help="Column of your file, e.g. time_s=t; in a file without a header its number, from 1. "
+    option(
+        "OURS=THEIRS",
+        "Column of your file, e.g. time_s=t; in a file without a header its number, from 1. "
         "time_s=500Hz: a sample rate instead of a column of times. Repeatable.",
     ),
 ]
 Signals = Annotated[
     list[str] | None,
-    typer.Option(
-        "--signal",
-        metavar="NAME",
-        help="A column that friction may depend on, e.g. a normal load. Repeatable.",
-    ),
+    option("NAME", "A column that friction may depend on, e.g. a normal load. Repeatable."),
 ]
 Wrap = Annotated[
     float | None,
-    typer.Option(
-        "--wrap",
-        metavar="RANGE",
-        help="Range at which positions wrap, rad (m). Wraps at one turn and at 25 rad are detected "
+    option(
+        "RANGE",
+        "Range at which positions wrap, rad (m). Wraps at one turn and at 25 rad are detected "
         "without this option.",
     ),
 ]
 Units = Annotated[
     list[str] | None,
-    typer.Option(
-        "--unit",
-        metavar="QUANTITY=UNIT",
-        help="Unit of a quantity that is not in SI units: position=deg, time=ms, "
+    option(
+        "QUANTITY=UNIT",
+        "Unit of a quantity that is not in SI units: position=deg, time=ms, "
         "position=counts:4096 (per turn), or torque=-0.05, the factor to SI. Repeatable.",
     ),
 ]
@@ -79,18 +70,13 @@ Join = Annotated[
 ]
 Gain = Annotated[
     float | None,
-    typer.Option(
-        "--gain",
-        metavar="NUMBER",
-        help="Motor constant, N m per A or per V. Default: estimated from the load.",
-    ),
+    option("NUMBER", "Motor constant, N m per A or per V. Default: estimated from the load."),
 ]
 Fixed = Annotated[
     list[str] | None,
-    typer.Option(
-        "--fixed",
-        metavar="JOINT=VALUE",
-        help="Position of a joint that the logs do not contain, rad or m; x,y,z,qw,qx,qy,qz of a "
+    option(
+        "JOINT=VALUE",
+        "Position of a joint that the logs do not contain, rad or m; x,y,z,qw,qx,qy,qz of a "
         "floating base. Repeatable.",
     ),
 ]
@@ -105,31 +91,26 @@ DropNan = Annotated[
 ]
 ControllerFile = Annotated[
     str | None,
-    typer.Option(
-        "--controller",
-        metavar="FILE|PRESET|mjcf",
-        help="Controller that moved the joints to their targets: a TOML file, with a table "
+    option(
+        "FILE|PRESET|mjcf",
+        "Controller that moved the joints to their targets: a TOML file, with a table "
         "[joint.NAME] for a joint that differs; or xl330, sts3215, unitree, mit; or mjcf, the "
         "position servos of the MJCF. Required if the logs contain target and position only.",
     ),
 ]
 Model = Annotated[
     list[str],
-    typer.Option(
-        "--model",
-        metavar="MJCF",
-        help="MJCF or URDF of the robot without friction. With several loads, one PATTERN=MJCF per "
+    option(
+        "MJCF",
+        "MJCF or URDF of the robot without friction. With several loads, one PATTERN=MJCF per "
         "load; the pattern matches the names of the logs. Repeatable.",
     ),
 ]
 
 
 def models_of(model: list[str]) -> str | dict[str, str]:
-    """An MJCF, or one per pattern of log names.
-
-    Raises:
-        FrictionJointError: several models, and one of them has no pattern.
-    """
+    """An MJCF, or one per pattern of log names; FrictionJointError if there are several and
+    one of them has no pattern."""
     if len(model) == 1 and "=" not in model[0]:
         return model[0]
     fix = "with several models write PATTERN=MJCF, e.g. 'heavy*=b.xml'"
@@ -137,7 +118,6 @@ def models_of(model: list[str]) -> str | dict[str, str]:
 
 
 def paths_of(model: list[str]) -> list[Path]:
-    """Files of the MJCFs."""
     models = models_of(model)
     return [Path(x) for x in (models.values() if isinstance(models, dict) else [models])]
 
@@ -152,11 +132,8 @@ def joints_of(model: list[str]) -> list[str]:
 
 
 def the_joint(asked: str | None, model: list[str]) -> str:
-    """The requested joint, else the only one of a model.
-
-    Raises:
-        ModelError: no joint is requested, and the model does not have exactly one with a name.
-    """
+    """The requested joint, else the only one of a model; ModelError if no joint is requested, and
+    the model does not have exactly one with a name."""
     if asked is not None:
         return asked
     names, file = joints_of(model), paths_of(model)[0]
@@ -190,11 +167,8 @@ class LogOptions:
 
     @property
     def poses(self) -> dict[str, float | list[float]]:
-        """Fixed positions by joint.
-
-        Raises:
-            ModelError: not JOINT=VALUE, or a joint twice.
-        """
+        """Fixed positions by joint; ModelError if one is not JOINT=VALUE, or a joint is given
+        twice."""
         found: dict[str, float | list[float]] = {}
         fix = "write JOINT=VALUE in rad or m, e.g. shoulder=0.3"
         for name, value in by_name("--fixed", self.fixed or [], fix).items():
@@ -206,16 +180,14 @@ class LogOptions:
         return found
 
     def reader(self, paths: "LogPaths") -> "Callable[[str | Path, str], JointLog]":
-        """A function that reads a joint, "" for the only one, of one of these logs.
-
-        Raises:
-            LogError: a column is not OURS=THEIRS, or a unit not QUANTITY=UNIT.
-        """
+        """A function that reads a joint, "" for the only one, of one of these logs; LogError if a
+        column is not OURS=THEIRS, or a unit not QUANTITY=UNIT."""
         from frictionjoint.measured.readers import read_log
         from frictionjoint.measured.several_files import read_joined
-        from frictionjoint.measured.units import check_units, units_of
+        from frictionjoint.measured.units import check_units
 
-        units, columns = units_of(self.unit or []), columns_of(self.column)
+        fix = "write QUANTITY=UNIT, e.g. position=deg"
+        units, columns = by_name("--unit", self.unit or [], fix), columns_of(self.column)
         check_units(units)
 
         def read(path: str | Path, joint: str) -> "JointLog":
@@ -233,11 +205,8 @@ _OPTIONAL = ("gain", "signal", "fixed", "controller")
 
 
 def reads_logs(*also: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the options of `LogOptions` in place of its parameter ``options``.
-
-    Args:
-        also: those of "gain", "signal", "fixed" and "controller", which not every command has.
-    """
+    """Give a command the options of `LogOptions` in place of its parameter ``options``, of those
+    that not every command has (`_OPTIONAL`) the named ones."""
     names = [name for name in _TYPES if name not in _OPTIONAL or name in also]
     own = [
         inspect.Parameter(
@@ -267,12 +236,8 @@ def reads_logs(*also: str) -> Callable[[Callable[..., None]], Callable[..., None
 
 @dataclass(frozen=True)
 class LogPaths:
-    """Logs that a command reads.
-
-    Attributes:
-        logs: to fit. kept: held out. fraction: of each log to hold out at its end.
-        joined: files of a log that has one per signal, by the path that stands for it.
-    """
+    """Logs to fit and to hold out, the fraction of each to hold out at its end, and by the path
+    that stands for it the files of a log that has one per signal."""
 
     logs: list[Path]
     kept: list[Path]
@@ -281,18 +246,13 @@ class LogPaths:
 
     @property
     def files(self) -> list[Path]:
-        """All files of logs."""
         return [*self.logs, *self.kept, *(x for own in self.joined.values() for x in own)]
 
 
 def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogPaths:
-    """The logs in folders and data sets; held-out logs are not among those to fit.
-
-    Args:
-        held_out: logs, and at most one fraction.
-    Raises:
-        LogError: a folder contains no log, a log is both fitted and held out, or two fractions.
-    """
+    """The logs in folders and data sets; those held out, by path or one fraction of each, are not
+    fitted. LogError if a folder contains none, one is both fitted and held out, or two fractions
+    are given."""
     from frictionjoint.measured.readers import log_files
     from frictionjoint.measured.table import TABLES
 
@@ -325,20 +285,14 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
 
 
 def columns_of(column: list[str] | None) -> dict[str, str]:
-    """Names of columns in a file, by our names, from texts OURS=THEIRS.
-
-    Raises:
-        FrictionJointError: a text does not have that form.
-    """
+    """Names of columns in a file, by our names, from texts OURS=THEIRS; FrictionJointError if a
+    text does not have that form."""
     return by_name("--column", column or [], "write ours=theirs, e.g. time_s=t")
 
 
 def by_name(option: str, texts: list[str], fix: str) -> dict[str, str]:
-    """Values by name, from the texts NAME=VALUE of an option.
-
-    Raises:
-        FrictionJointError: see `named`, or a name is given twice.
-    """
+    """Values by name, from the texts NAME=VALUE of an option; FrictionJointError: see `named`, also
+    if a name is given twice."""
     found: dict[str, str] = {}
     for name, value in (named(option, text, fix) for text in texts):
         if name in found:
@@ -348,11 +302,8 @@ def by_name(option: str, texts: list[str], fix: str) -> dict[str, str]:
 
 
 def named(option: str, text: str, fix: str) -> tuple[str, str]:
-    """Both sides of the text NAME=VALUE that an option has.
-
-    Raises:
-        FrictionJointError: the text does not have that form; `fix` is what to write.
-    """
+    """Both sides of the text NAME=VALUE that an option has; FrictionJointError if the text does not
+    have that form; `fix` is what to write."""
     name, _, value = text.partition("=")
     if not (name and value):
         raise FrictionJointError(f"{option} {text}: {fix}")

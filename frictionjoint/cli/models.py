@@ -8,6 +8,7 @@ import typer
 
 from frictionjoint.cli.logs import by_name
 from frictionjoint.cli.output import Force, Json, print_json, require_writable
+from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.cli.terminal import show_table, warnings_afterwards
 from frictionjoint.errors import FrictionJointError, ParameterError, few
 
@@ -16,26 +17,22 @@ if TYPE_CHECKING:  # the command line starts in a moment: what computes is impor
 
     from frictionjoint.joint_friction import JointFriction
 
-Out = Annotated[Path, typer.Option("--out", metavar="MJCF", help="Model to write.")]
-Carrying = Annotated[Path, typer.Argument(metavar="MJCF", help="Model that contains friction.")]
+Out = Annotated[Path, option("MJCF", "Model to write.")]
+Carrying = Annotated[Path, argument("MJCF", "Model that contains friction.")]
 
 
 def install(
-    mjcf: Annotated[Path, typer.Argument(metavar="MJCF", help="MJCF or URDF to add friction to.")],
+    mjcf: Annotated[Path, argument("MJCF", "MJCF or URDF to add friction to.")],
     out: Out,
     joint: Annotated[
-        list[str] | None,
-        typer.Option("--joint", metavar="NAME=TOML", help="Joint and its parameters. Repeatable."),
+        list[str] | None, option("NAME=TOML", "Joint and its parameters. Repeatable.")
     ] = None,
     every: Annotated[
         Path | None,
-        typer.Option(
-            "--all", metavar="TOML", help="Parameters for all other named hinge and slide joints."
-        ),
+        option("TOML", "Parameters for all other named hinge and slide joints.", "--all"),
     ] = None,
     exclude: Annotated[
-        list[str] | None,
-        typer.Option("--exclude", metavar="NAME", help="Joint that --all leaves out. Repeatable."),
+        list[str] | None, option("NAME", "Joint that --all leaves out. Repeatable.")
     ] = None,
     replace: Annotated[
         bool, typer.Option("--replace", help="Replace friction that a joint has already.")

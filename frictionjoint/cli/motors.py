@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from frictionjoint.cli.output import Force, Json, print_json, require_writable
-from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
+from frictionjoint.cli.plain_help import PlainCommand, PlainGroup, argument, option
 from frictionjoint.cli.terminal import show_table
 
 motors = typer.Typer(
@@ -20,8 +20,8 @@ motors = typer.Typer(
         "`frictionjoint motors get ur10_j1 --out j1.toml`, for `frictionjoint install`"
     ),
 )
-Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="File to write.")]
-Bam = Annotated[Path, typer.Argument(metavar="JSON", help="Parameter file of BAM.")]
+Out = Annotated[Path, option("FILE", "File to write.")]
+Bam = Annotated[Path, argument("JSON", "Parameter file of BAM.")]
 
 
 @motors.callback()
@@ -34,10 +34,7 @@ def listed(context: typer.Context) -> None:
 @motors.command("list", cls=PlainCommand)
 def list_command(
     robot: Annotated[
-        str | None,
-        typer.Option(
-            "--robot", metavar="TEXT", help="Only motors with this text in their name or title."
-        ),
+        str | None, option("TEXT", "Only motors with this text in their name or title.")
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -83,7 +80,7 @@ def list_command(
 
 @motors.command("show", cls=PlainCommand)
 def show_command(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name, as `motors list` prints it.")],
+    name: Annotated[str, argument("NAME", "Name, as `motors list` prints it.")],
     as_json: Json = False,
 ) -> None:
     """Show the numbers of a motor with errors, its friction-speed curve, source and conditions.
@@ -140,7 +137,7 @@ def show_command(
 
 @motors.command("get", cls=PlainCommand)
 def get_command(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name, as `motors list` prints it.")],
+    name: Annotated[str, argument("NAME", "Name, as `motors list` prints it.")],
     out: Out,
     force: Force = False,
 ) -> None:
@@ -182,19 +179,14 @@ def from_bam_command(bam: Bam, out: Out, force: Force = False) -> None:
 
 @motors.command("to-bam", cls=PlainCommand)
 def to_bam_command(
-    parameters: Annotated[
-        Path, typer.Argument(metavar="TOML", help="Parameter file, as `identify` writes it.")
-    ],
+    parameters: Annotated[Path, argument("TOML", "Parameter file, as `identify` writes it.")],
     like: Annotated[
         Path,
-        typer.Option(
-            "--like", metavar="JSON", help="File of BAM that supplies the actuator, kt and R."
-        ),
+        option("JSON", "File of BAM that supplies the actuator, kt and R."),
     ],
     out: Out,
     model: Annotated[
-        str | None,
-        typer.Option("--model", metavar="M", help="m1 to m6. Default: the simplest that suffices."),
+        str | None, option("M", "m1 to m6. Default: the simplest that suffices.")
     ] = None,
     force: Force = False,
 ) -> None:

@@ -22,9 +22,8 @@ def require_writable(
     """Check that a result can be written, before the work; nothing is left behind.
 
     Args:
-        out: a file; or a folder, with the names of its `files`.
+        out: a file; or a folder, with the names of its `files`. force: whether they may exist.
         made_from: files that the command reads, including files that a model includes.
-        force: whether existing files may be overwritten.
     Raises:
         FrictionJointError: it cannot be written, or would overwrite a file without `force`, or a
             file of `made_from`.
@@ -52,7 +51,6 @@ def require_writable(
 
 
 def print_json(content: Any) -> None:
-    """Print a result for scripts."""
     typer.echo(json.dumps(content, indent=2))
 
 

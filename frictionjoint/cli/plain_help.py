@@ -3,6 +3,7 @@
 from functools import partial
 from typing import Any
 
+import typer
 from typer.core import TyperCommand, TyperGroup
 
 _WORDS = {"path": "FILE", "file": "FILE", "int": "INTEGER", "float": "NUMBER", "str": "TEXT"}
@@ -12,7 +13,6 @@ class _PlainTypes:
     """A command whose help names the type of each parameter in one word."""
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """The parameters of the command."""
         found: list[Any] = super().get_params(ctx)  # type: ignore[misc]
         for parameter in found:
             # where this version of typer does not ask for them they change nothing
@@ -42,3 +42,13 @@ def _type_of(parameter: Any, ctx: Any) -> str | None:
     several = raw.startswith("list[")
     raw = raw.removeprefix("list[").removesuffix("]").lower()
     return _WORDS.get(raw, raw.upper() if raw.isalpha() else raw) + ("..." if several else "")
+
+
+def option(metavar: str, text: str, *names: str, **more: Any) -> Any:
+    """An option with a value, called like its parameter or by `names`; `text` is its help."""
+    return typer.Option(*names, metavar=metavar, help=text, **more)
+
+
+def argument(metavar: str, text: str) -> Any:
+    """An argument; `text` is its help."""
+    return typer.Argument(metavar=metavar, help=text)

@@ -7,6 +7,7 @@ import typer
 
 from frictionjoint.cli.logs import NO_OPTIONS, LogOptions, Logs, log_paths, reads_logs
 from frictionjoint.cli.output import Force, Open, open_page, require_writable
+from frictionjoint.cli.plain_help import option
 from frictionjoint.cli.terminal import progress, warnings_afterwards
 from frictionjoint.errors import LogError
 
@@ -16,17 +17,10 @@ _KINDS = (".html", ".png", ".svg")
 @reads_logs()
 def plot(
     logs: Logs,
-    joint: Annotated[
-        str | None,
-        typer.Option("--joint", metavar="NAME", help="Joint, if a log contains several."),
-    ] = None,
+    joint: Annotated[str | None, option("NAME", "Joint, if a log contains several.")] = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "--out",
-            metavar="FILE",
-            help="Page or picture to write: .html, .png or .svg. Default: LOG.html here.",
-        ),
+        option("FILE", "Page or picture to write: .html, .png or .svg. Default: LOG.html here."),
     ] = None,
     options: LogOptions = NO_OPTIONS,
     open_it: Open = False,

@@ -8,14 +8,13 @@ import typer
 
 from frictionjoint.cli.logs import ReportJoint
 from frictionjoint.cli.output import Force, require_writable
+from frictionjoint.cli.plain_help import argument, option
 
 
 def sample(
-    report: Annotated[
-        Path, typer.Argument(metavar="REPORT", help="report.json of close-loop, or its folder.")
-    ],
-    n: Annotated[int, typer.Option("--n", min=1, max=100_000, help="Number of samples.")],
-    out: Annotated[Path, typer.Option("--out", metavar="JSON", help="File to write.")],
+    report: Annotated[Path, argument("REPORT", "report.json of close-loop, or its folder.")],
+    n: Annotated[int, typer.Option(min=1, max=100_000, help="Number of samples.")],
+    out: Annotated[Path, option("JSON", "File to write.")],
     joint: ReportJoint = None,
     seed: Annotated[int, typer.Option(min=0, help="Equal seeds give equal samples.")] = 0,
     force: Force = False,

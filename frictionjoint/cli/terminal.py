@@ -18,7 +18,6 @@ from rich.progress import (
 from rich.table import Column, Table
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
-    from frictionjoint.identify.result import Estimate
     from frictionjoint.report.joint_report import Report
     from frictionjoint.report.robot_report import RobotReport
 
@@ -34,11 +33,8 @@ def console() -> Console:
 
 @contextlib.contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line on stderr: the current step, its progress, and the remaining time.
-
-    A message that counts ("4 of 12", "4/12") has a percentage; the remaining time is estimated from
-    the counted steps so far.
-    """
+    """A line on stderr: the current step, its progress, and the remaining time, both where a
+    message counts ("4 of 12", "4/12"), from the counted steps so far."""
     err = Console(stderr=True)
     columns = (
         SpinnerColumn(),
@@ -91,14 +87,3 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     for row in rows:
         table.add_row(*row)
     console().print(table)
-
-
-def show_estimates(rows: "list[tuple[str, Estimate]]") -> None:
-    """Parameters with meaning, errors and units; one row for both directions if they are equal."""
-    from frictionjoint.report.numbers import law_numbers
-
-    found = (
-        (x.meaning, x.name, f"{x.text} (fixed)" if x.status == "fixed" else x.qualified)
-        for x in law_numbers(dict(rows))
-    )
-    show_table(("parameter", "symbol", "value ± standard error"), found)

@@ -19,8 +19,7 @@ from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.simulated import closed_loop, replay
 from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.identify.held import Pose
-from frictionjoint.measured.gaps import split_at_gaps
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.log import JointLog, split_at_gaps
 from frictionjoint.measured.readers import log_files, read_log, require_logs
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model

@@ -14,7 +14,7 @@ from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.torque import STATE as FULL
 from frictionjoint.evaluation.torque import Along
-from frictionjoint.measured.first_velocity import first_velocity
+from frictionjoint.measured.derivatives import first_velocity
 from frictionjoint.mujoco_warnings import became_unstable
 from frictionjoint.replay.prescribed_motion import Prescribed
 

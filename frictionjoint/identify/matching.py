@@ -14,10 +14,9 @@ from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.errors import LogError, ModelError
 from frictionjoint.identify.held import BALL, FREE, SLIDE, joint_label
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.derivatives import differentiate
+from frictionjoint.measured.derivatives import differentiate, speed_note
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.validate import check_time
-from frictionjoint.measured.velocity_check import speed_note
 from frictionjoint.model_files import ONE_DOF
 
 

@@ -45,13 +45,8 @@ def part_of(value: Any, field: str) -> Any:
 
 
 def column(path: Path, name: str, x: Any, source: str | None = None) -> Array:
-    """A column of real numbers, shape (n,); 1 x n and n x 1 matrices are accepted.
-
-    Args:
-        source: name of the array if `name` is a part of it.
-    Raises:
-        LogError: text, complex numbers, objects, or a matrix without a named part.
-    """
+    """A column of real numbers, shape (n,), also of a 1 x n or n x 1 matrix, or a part of the array
+    `source`; LogError for text, complex numbers, objects, or a matrix without a named part."""
     array = np.asarray(x)
     if array.dtype.kind not in "fiub":
         raise LogError(f"{path.name}, {name}: {array.dtype} is not a column of numbers")
@@ -77,11 +72,8 @@ def _part(where: str, source: str, number: int | None, array: Array) -> Array:
 
 @contextmanager
 def opened_npz(path: Path) -> Iterator[Any]:
-    """The arrays of an .npz file by name.
-
-    Raises:
-        LogError: the file is corrupt, also where an array is read within the context.
-    """
+    """The arrays of an .npz file by name. LogError if the file is corrupt, also where an array is
+    read within the context."""
     try:
         with np.load(path, allow_pickle=False) as archive:
             yield archive
@@ -98,7 +90,6 @@ def npz_names(path: Path) -> list[str]:
 
 
 def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    """Requested columns of an .npz file; 8 bytes per number."""
     with opened_npz(path) as archive:
         arrays = mujoco_sysid.signals(archive) or archive
         there = list(arrays)
@@ -109,7 +100,6 @@ def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
 
 
 def mat_names(path: Path) -> list[str]:
-    """Names of the variables in a .mat file."""
     try:
         if matlab.is_level_5(path):
             return matlab.variable_names(path)
@@ -119,15 +109,11 @@ def mat_names(path: Path) -> list[str]:
 
 
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    """Requested columns of a .mat file; 8 bytes per number."""
     sources = {name: whole(name) for name in names}
     wanted = sorted({*sources.values()})
-    content: dict[str, Any]
     try:
-        if matlab.is_level_5(path):
-            content = dict(matlab.arrays(path, wanted))
-        else:
-            content = loadmat(path, variable_names=wanted)
+        level_5 = matlab.is_level_5(path)
+        content = matlab.arrays(path, wanted) if level_5 else loadmat(path, variable_names=wanted)
     except matlab.NotNumbersError as error:
         raise LogError(f"{path.name}, {error}") from None
     except Exception as error:

@@ -27,15 +27,8 @@ _DUTY_IN_LOAD = (None, "xl330")
 
 
 def read_bam_json(path: Path, joint: str | None) -> JointLog:
-    """Read one JSON log; if the duty is recorded, the drive is the motor voltage.
-
-    Rows in messages are entries, counted from 1.
-
-    Args:
-        joint: name of the log's only joint.
-    Raises:
-        LogError: not a file of this format, or see `validate`.
-    """
+    """Read one JSON log; if the duty is recorded, the drive is the motor voltage. Rows in messages
+    are entries, counted from 1. LogError for another file, and see `validate`."""
     content = _content(path)
     entries = content["entries"]
     there = entries[0] if isinstance(entries[0], dict) else {}

@@ -38,11 +38,8 @@ _MOTION = (*POSITIONS, *VELOCITIES)
 
 
 def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[str, str]:
-    """The file's column name by our column name, for all columns of a file.
-
-    Raises:
-        LogError: there is no header, a column appears twice, or a mapped column does not exist.
-    """
+    """The file's column name by our column name, for all columns of a file; LogError if there is no
+    header, a column appears twice, or a mapped column does not exist."""
     used = {*mapping.values(), *(x for x in names if x.rpartition(".")[2] in _OURS)}
     twice = [name for name, count in Counter(names).items() if count > 1 and name in used]
     if twice:
@@ -84,11 +81,8 @@ def driven_joints(table: dict[str, str]) -> list[str]:
 
 
 def joint_of(source: str, table: dict[str, str], joint: str | None) -> str:
-    """The joint to read: the requested one, or the only one.
-
-    Raises:
-        LogError: it is not in the log, or the log has several and none was requested.
-    """
+    """The joint to read: the requested one, or the only one. LogError if it is not in the log, or
+    the log has several and none was requested."""
     joints = joints_in(table)
     if not joints:
         return joint or "joint"
@@ -108,11 +102,8 @@ def one_joint(source: str, joints: Sequence[str], joint: str | None) -> str:
 def options(
     source: str, columns: Mapping[str, str] | None, names: Sequence[str], kind: str
 ) -> list[str | None]:
-    """What ``--column`` says of a kind of log without a table of columns, in the order of names.
-
-    Raises:
-        LogError: it names something else.
-    """
+    """What ``--column`` says of a kind of log without a table of columns, in the order of names;
+    LogError if it names something else."""
     given = dict(columns or {})
     found = [given.pop(name, None) for name in names]
     if given:
@@ -124,13 +115,8 @@ def options(
 def choose_signals(
     source: str, table: dict[str, str], joint: str, signals: Iterable[str], used: Iterable[str]
 ) -> dict[str, str]:
-    """Name of a signal -> the file's column; a column of the joint takes precedence.
-
-    Args:
-        used: columns of the file with another meaning.
-    Raises:
-        LogError: no such column, or it has another meaning.
-    """
+    """Name of a signal -> the file's column; one of the joint takes precedence. LogError if there
+    is none, or the column has another meaning, as those `used`."""
     chosen = {}
     for name in signals:
         column = _column(table, joint, name)
@@ -155,11 +141,8 @@ def _column(table: dict[str, str], joint: str, name: str) -> str | None:
 
 
 def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
-    """Our column name -> the file's, for the joint and the motion of the others.
-
-    Raises:
-        LogError: time, position or drive is missing, or hinge and slide are mixed.
-    """
+    """Our column name -> the file's, for the joint and the motion of the others; LogError if time,
+    position or drive is missing, or hinge and slide are mixed."""
     joints = joints_in(table)
     prefix = f"{joint}." if joints else ""
     if "time_s" not in table:

@@ -8,6 +8,7 @@ over the band in which torques are balanced, so that the balance, which passes a
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import Akima1DInterpolator
 from scipy.special import gammaincinv
 
@@ -26,12 +27,8 @@ LEAST_HZ = 5.0
 
 @dataclass(frozen=True)
 class Derivatives:
-    """Smooth motion on a uniform grid, each of shape (n,).
-
-    Attributes:
-        time: s. position, velocity, acceleration: rad, rad/s, rad/s^2 (m ...).
-        bandwidth_hz: corner of the filter, at which half of the amplitude passes.
-    """
+    """Smooth motion on a uniform grid, each of shape (n,), in s, rad, rad/s and rad/s^2 (m ...);
+    half of the amplitude passes the filter at `bandwidth_hz`."""
 
     time: Array
     position: Array
@@ -42,12 +39,8 @@ class Derivatives:
 
 @dataclass(frozen=True)
 class MotionBand:
-    """Frequency bands of a motion, Hz.
-
-    Attributes:
-        main: 99% of the velocity's power is below.
-        whole: the position exceeds the noise below this frequency; at least 5 Hz.
-    """
+    """Frequency bands of a motion, Hz: 99% of the velocity's power is below `main`, and the
+    position exceeds the noise below `whole`, at least 5 Hz."""
 
     main: float
     whole: float
@@ -104,11 +97,8 @@ def motion_band(position: Array, dt: float) -> MotionBand:
 
 
 def position_noise(position: Array, dt: float, corner_hz: float) -> float:
-    """Standard deviation of white position noise, from the spectrum above the motion, rad (m).
-
-    Args:
-        position: on a uniform grid of step dt, s, shape (n,). corner_hz: end of the motion's band.
-    """
+    """Standard deviation of white position noise, from the spectrum above the motion, whose band
+    ends at a corner, rad (m); of a position on a uniform grid of step dt, s, shape (n,)."""
     from scipy.signal import welch
 
     # a window with side lobes so low that the motion does not leak into the noise
@@ -124,13 +114,8 @@ def position_noise(position: Array, dt: float, corner_hz: float) -> float:
 
 
 def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivatives:
-    """Smooth position, velocity and acceleration of a log on a uniform grid.
-
-    Args:
-        bandwidth_hz: corner of the filter; None: the whole `motion_band` of this log.
-    Raises:
-        LogError: the bandwidth is not positive.
-    """
+    """Smooth position, velocity and acceleration of a log on a uniform grid, by a filter with a
+    positive corner, Hz; None: the whole `motion_band` of this log."""
     time, position, dt = on_a_grid(log)
     if bandwidth_hz is None:
         bandwidth_hz = motion_band(position, dt).whole
@@ -169,3 +154,48 @@ def on_a_grid(log: JointLog) -> tuple[Array, Array, float]:
     dt = float(log.time[-1] - log.time[0]) / (n - 1)
     time = log.time[0] + dt * np.arange(n)
     return time, uniform_motion(log.time, log.position, time), dt
+
+
+def speed_note(log: JointLog) -> tuple[str, ...]:
+    """A note if the velocity is not the derivative of the position; empty if it is."""
+    if log.velocity is None:
+        return ()
+    integral = cumulative_trapezoid(log.velocity, log.time, initial=0.0)
+    # over 0.1 s encoder counts average out
+    width = max(1, round(0.1 * (len(log.time) - 1) / log.duration))
+    said, moved = (np.diff(x[::width]) for x in (integral, log.position))
+    power, common, slopes = float(said @ said), float(said @ moved), float(moved @ moved)
+    # only a correlation above 0.95 is sure, and only a ratio 5% off is stated
+    if common**2 <= 0.9 * power * slopes or abs(common / power - 1.0) <= 0.05:
+        return ()
+    return (
+        f"{log.name}: the measured velocity is {power / common:.3g} times the slope of the "
+        "position; the slope is used.",
+    )
+
+
+def first_velocity(time: Array, position: Array, count: float) -> float:
+    """Velocity at the first sample, rad/s (m/s): 0 at rest, otherwise from a parabola.
+
+    A filter of the whole motion has no data before the first sample. For a joint that starts from
+    rest it can return several rad/s in the wrong direction, and a simulation that starts with this
+    velocity is wrong for a while. The parabola spans as many samples as it fits to within half a
+    count, because rounding makes a velocity uncertain by about one count per duration.
+
+    Args:
+        count: encoder step, rad (m); 0: the shortest interval is used.
+    """
+    t, q = time - time[0], position - position[0]
+    # the shortest interval, s
+    least = max(3, int(np.searchsorted(t, 0.02, side="right")))
+    if np.max(np.abs(q[:least])) <= 0.5 * count:
+        return 0.0
+    found = 0.0
+    # the longest, s, applies to a joint that is almost at rest
+    for n in range(least, max(least, int(np.searchsorted(t, 0.2, side="right"))) + 1):
+        parabola = np.polynomial.Polynomial.fit(t[:n], q[:n], 2)
+        off = float(np.max(np.abs(parabola(t[:n]) - q[:n])))
+        if n > least and off > 0.5 * count:
+            break
+        found = float(parabola.deriv()(0.0))
+    return found

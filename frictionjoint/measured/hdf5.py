@@ -40,7 +40,6 @@ def hdf5_names(path: Path) -> list[str]:
 
 
 def hdf5_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    """Requested columns of a file; 8 bytes per number."""
     with _opened(path) as file:
         return {name: column(path, name, file[whole(name)][()], whole(name)) for name in names}
 

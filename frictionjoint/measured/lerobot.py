@@ -93,11 +93,8 @@ def episode_of(path: Path) -> tuple[Path, str | None]:
 
 
 def episodes_of(path: Path) -> list[int]:
-    """Indices of all episodes of a data set, or of those that ``FOLDER#0-3,8`` names.
-
-    Raises:
-        LogError: not a data set, or not a list of episodes.
-    """
+    """Indices of all episodes of a data set, or of those that ``FOLDER#0-3,8`` names; LogError if
+    it is no data set, or that no list of episodes."""
     folder, asked = episode_of(path)
     total = int(_info(folder).get("total_episodes") or 0)
     if asked is None:
@@ -114,16 +111,12 @@ def episodes_of(path: Path) -> list[int]:
     return found
 
 
-def joints_of_lerobot(path: Path) -> list[str]:
-    """Names of the joints with position and target in a data set.
-
-    Raises:
-        LogError: not a data set.
-    """
-    path, _ = episode_of(path)
-    info = _info(path)
-    targets = _joints(path, info, _ACTION)
-    return [name for name in _joints(path, info, _STATE) if name in targets]
+def joints_of_lerobot(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
+    """Names of the joints with position and target in a data set; LogError if it is none."""
+    folder, _ = episode_of(path)
+    info = _info(folder)
+    targets = _joints(folder, info, _ACTION)
+    return [name for name in _joints(folder, info, _STATE) if name in targets]
 
 
 def _info(path: Path) -> dict[str, Any]:
@@ -193,7 +186,6 @@ def _episode(
 
 
 def _files(path: Path, info: dict[str, Any], episode: int) -> list[Path]:
-    """Files that may contain an episode's frames."""
     pattern = info.get("data_path")
     if isinstance(pattern, str) and "{episode_index" in pattern:
         size = info.get("chunks_size")

@@ -1,5 +1,6 @@
 """One measured log of one joint."""
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -90,7 +91,8 @@ class JointLog:
             raise LogError(f"{self.name}: no torque, voltage, current or target, add one of them")
         # kernels read float64 without gaps; a slice of a table, or float32, may be neither
         for name, x in self.columns().items():
-            object.__setattr__(self, name, _as_kernels_read(x))
+            kind = None if x.dtype == np.bool_ else np.float64
+            object.__setattr__(self, name, np.ascontiguousarray(x, dtype=kind))
         for name in _BY_NAME:
             found = {
                 key: np.ascontiguousarray(x, np.float64) for key, x in getattr(self, name).items()
@@ -111,11 +113,8 @@ class JointLog:
         return self.columns() | positions | velocities | self.signals
 
     def mapped(self, change: Callable[..., Array], *others: "JointLog") -> "JointLog":
-        """The log with every array changed, without `before`.
-
-        Args:
-            change: of an array, and of the same one of each of some other logs.
-        """
+        """The log without `before`, with every array changed by a function of it and of the same
+        array of some other logs."""
 
         def of(these: dict[str, Array], *those: dict[str, Array]) -> dict[str, Any]:
             return {name: change(x, *(x[name] for x in those)) for name, x in these.items()}
@@ -137,13 +136,10 @@ class JointLog:
         return self.mapped(lambda x, first: np.concatenate([first, x]), self.before)
 
     def with_gain(self, gain: float) -> "JointLog":
-        """The log with the torque that follows from current or voltage with a known motor
-           constant.
+        """The log with the torque of a motor constant, N m per A or per V (N for a slide).
 
         For a voltage-driven motor the identified viscous friction includes the back-EMF.
 
-        Args:
-            gain: N m per A or per V (N for a slide).
         Raises:
             LogError: the gain is not positive, or the log has neither current nor voltage.
         """
@@ -162,12 +158,8 @@ class JointLog:
 
 def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
     """The first part of a log, and its last `fraction` to hold out, with the first part as
-       `before`.
-
-    Raises:
-        LogError: the fraction is not above 0 and at most `MOST_HELD_OUT`, or leaves a part too
-            short.
-    """
+    `before`; LogError if the fraction is not above 0 and at most `MOST_HELD_OUT`, or leaves a part
+    too short."""
     if not 0.0 < fraction <= MOST_HELD_OUT:
         raise LogError(
             f"held-out fraction is {fraction:g}: give more than 0 and at most {MOST_HELD_OUT:g}"
@@ -194,5 +186,28 @@ def split_each_in_time(
     return [first for first, _ in pairs], [last for _, last in pairs]
 
 
-def _as_kernels_read(x: Array) -> Array:
-    return np.ascontiguousarray(x, dtype=None if x.dtype == np.bool_ else np.float64)
+def split_at_gaps(log: JointLog) -> list[JointLog]:
+    """The parts of a log between gaps, each with a note; the log itself if it has no gap. LogError
+    if no part is long enough."""
+    step = np.diff(log.time)
+    at = np.flatnonzero(step > LARGEST_GAP * float(np.median(step))) + 1
+    if not at.size:
+        return [log]
+    ends = [0, *(int(i) for i in at), len(log.time)]
+    stretches = list(itertools.pairwise(ends))
+    long = [(a, b) for a, b in stretches if b - a >= FEWEST_ROWS]
+    where = f"{step[at[0] - 1]:.3g} s at {log.time[at[0]]:.6g} s"
+    many = "" if at.size == 1 else f" and {at.size - 1} more"
+    if not long:
+        raise LogError(
+            f"{log.name}: gaps ({where}{many}) leave no part of {FEWEST_ROWS} samples: record "
+            "a log without gaps"
+        )
+    left_out = sum(b - a for a, b in stretches) - sum(b - a for a, b in long)
+    note = f"{log.name}: a gap of {where}{many}: split there."
+    if left_out:
+        note += f" {left_out} samples in stretches under {FEWEST_ROWS} are left out."
+    return [
+        replace(log.part(slice(a, b), f" ({i + 1} of {len(long)})"), notes=(*log.notes, note))
+        for i, (a, b) in enumerate(long)
+    ]

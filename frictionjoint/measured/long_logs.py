@@ -12,9 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.measured.derivatives import motion_band, uniform_motion
-from frictionjoint.measured.gaps import split_at_gaps
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.derivatives import motion_band, on_a_grid
+from frictionjoint.measured.log import JointLog, split_at_gaps
 
 # Total rows of a fit, which needs about 8 kB and a constant time per row: at this limit half a
 # minute and 1 GB.
@@ -26,13 +25,8 @@ class LongLogWarning(UserWarning):
 
 
 def bounded(logs: Sequence[JointLog]) -> list[JointLog]:
-    """The logs, split at gaps and shortened to `MOST_ROWS` in total; their names say how.
-
-    Raises:
-        LogError: see `split_at_gaps`.
-    Warns:
-        LongLogWarning: one line per shortened log.
-    """
+    """The logs, split at gaps and shortened to `MOST_ROWS` in total; their names say how, and a
+    LongLogWarning for each. LogError: see `split_at_gaps`."""
     logs = [part for log in logs for part in split_at_gaps(log)]
     total = sum(len(log.time) for log in logs)
     if total <= MOST_ROWS:
@@ -44,7 +38,9 @@ def _shorter(log: JointLog, most: int) -> JointLog:
     n = len(log.time)
     if n <= most:
         return log
-    k = min(-(-n // most), _most_averaged(log))
+    _, position, dt = on_a_grid(log.part(slice(0, MOST_ROWS), ""))
+    # ten samples remain in the shortest period
+    k = min(-(-n // most), max(1, int(1.0 / (10.0 * motion_band(position, dt).whole * dt))))
     short = _averaged(log, k) if k > 1 else log
     done = [f"{k} samples averaged"] if k > 1 else []
     if len(short.time) > most:
@@ -58,15 +54,6 @@ def _shorter(log: JointLog, most: int) -> JointLog:
         stacklevel=3,
     )
     return replace(short, name=f"{log.name} ({text})")
-
-
-def _most_averaged(log: JointLog) -> int:
-    """Number of neighbours that can be averaged: ten samples remain in the shortest period."""
-    n = min(len(log.time), MOST_ROWS)
-    time = log.time[:n]
-    dt = float(time[-1] - time[0]) / (n - 1)
-    position = uniform_motion(time, log.position[:n], time[0] + dt * np.arange(n))
-    return max(1, int(1.0 / (10.0 * motion_band(position, dt).whole * dt)))
 
 
 def _averaged(log: JointLog, k: int) -> JointLog:

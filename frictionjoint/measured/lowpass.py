@@ -21,11 +21,8 @@ from frictionjoint.compiled import compiled, pointer
 
 
 class Spectrum(NamedTuple):
-    """Spectrum of signals without the line through their ends.
-
-    Attributes:
-        values: shape (logs, rows, frequencies). ends: first and last value, shape (logs, rows, 2).
-    """
+    """Spectrum of signals, shape (logs, rows, frequencies), without the line through their first
+    and last values, `ends`, shape (logs, rows, 2)."""
 
     values: NDArray[np.complex128]
     ends: Array
@@ -71,13 +68,8 @@ class LowPass:
     up: int = 1
 
     def __call__(self, x: Array, derivative: int = 0) -> Array:
-        """Filter along axis 0.
-
-        Args:
-            x: shape (n,) or (n, k). derivative: of the filtered signal by time.
-        Returns:
-            shape (m,) or (m, k), with m = ceil(((n - 1) up + 1) / step).
-        """
+        """The filtered signal, shape (n,) or (n, k), along axis 0, or a derivative of it by time,
+        shape (m,) or (m, k), with m = ceil(((n - 1) up + 1) / step)."""
         rows = x.reshape(self.n, int(np.prod(x.shape[1:]))).T
         found = self._alone.back(self._alone.spectra(rows), derivative)
         return found.T if x.ndim > 1 else found[0]
@@ -95,11 +87,7 @@ class LowPass:
         weight: Callable[[Array], Array] | None = None,
     ) -> Array:
         """The filtered signal of a spectrum, differentiated and delayed by `delay` seconds, shape
-        (m,).
-
-        Args:
-            weight: amplitude by angular frequency, rad/s, 1 at zero.
-        """
+        (m,), with a `weight` of the amplitude by angular frequency, rad/s, 1 at zero."""
         return np.asarray(self._alone.back([spectrum], derivative, delay, weight)[0])
 
     @cached_property
@@ -167,13 +155,7 @@ class LowPasses:
         self._count = back[-1].stop
 
     def __call__(self, x: Array) -> Array:
-        """Filter each row.
-
-        Args:
-            x: shape (k, n), n samples of all logs.
-        Returns:
-            shape (k, m).
-        """
+        """Filter each row of n samples of all logs, shape (k, n) to (k, m)."""
         return self.back(self.spectra(x))
 
     def spectra(self, x: Array) -> list[Spectrum]:
@@ -196,11 +178,8 @@ class LowPasses:
 
 
 class _Alike:
-    """Filters with transforms of equal length, computed together.
-
-    Args:
-        begin, back: positions of the logs in the input and in the output.
-    """
+    """Filters with transforms of equal length, computed together; `begin` and `back` are the slices
+    of their logs in the input and in the output."""
 
     def __init__(
         self, filters: Sequence[LowPass], begin: Sequence[slice], back: Sequence[slice]

@@ -44,21 +44,14 @@ def is_level_5(path: Path) -> bool:
 
 
 def variable_names(path: Path) -> list[str]:
-    """Names of the variables in the file's order.
-
-    Raises:
-        MatlabError: the file is corrupt.
-    """
+    """Names of the variables in the file's order; MatlabError if the file is corrupt."""
     # an unnamed one holds the insides of objects
     return [name for name, _ in _variables(path, ()) if name]
 
 
 def arrays(path: Path, wanted: Collection[str]) -> dict[str, Array]:
-    """The requested variables that exist, in their own shape.
-
-    Raises:
-        MatlabError: the file is corrupt, or a requested variable is not an array of real numbers.
-    """
+    """The requested variables that exist, in their own shape; MatlabError if the file is corrupt,
+    or a requested variable is not an array of real numbers."""
     return {name: x for name, x in _variables(path, wanted) if x is not None}
 
 

@@ -24,11 +24,8 @@ _KINDS = {2: "_qpos", 3: "_qvel"}
 
 
 def signals(archive: Mapping[str, Array]) -> dict[str, Array] | None:
-    """Each signal at common times, shape (n,) or (n, k), with ``time_s``.
-
-    Returns:
-        None if the archive is not such a recording.
-    """
+    """Each signal at common times, shape (n,) or (n, k), with ``time_s``; None if the archive is
+    not such a recording."""
     # a single series is saved without a prefix
     alone = "times" in archive and "data" in archive
     series = {
@@ -52,7 +49,6 @@ def signals(archive: Mapping[str, Array]) -> dict[str, Array] | None:
 
 
 def _names(archive: Mapping[str, Array], series: str) -> dict[str, list[int]]:
-    """Columns of each signal."""
     mapping = f"{series}signal_mapping"
     if mapping not in archive:
         return {}

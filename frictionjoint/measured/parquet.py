@@ -12,11 +12,8 @@ from frictionjoint.measured.arrays import corrupt
 
 
 def column_names(path: Path) -> list[str]:
-    """Names of a file's columns, without reading its rows.
-
-    Raises:
-        LogError: pyarrow is missing, or it cannot read the file.
-    """
+    """Names of a file's columns, without reading its rows; LogError if pyarrow is missing, or it
+    cannot read the file."""
     arrow = _arrow(path)
     try:
         return list(arrow.parquet.read_schema(path).names)
@@ -34,11 +31,8 @@ def read_rows(path: Path, names: Iterable[str], filters: Any = None) -> Any:
 
 
 def read_column(path: Path, name: str, of_time: bool) -> Array:
-    """A column of numbers, shape (n,), missing cells NaN.
-
-    Args:
-        of_time: whether it may be of dates, which become seconds since the first.
-    """
+    """A column of numbers, shape (n,), missing cells NaN; a column `of_time` may be of dates, which
+    become seconds since the first."""
     x, types = read_rows(path, [name])[name], _arrow(path).types
     if of_time and types.is_timestamp(x.type):
         moments = x.to_numpy()

@@ -52,11 +52,6 @@ def is_emps(names: list[str]) -> bool:
 
 
 def read_emps(path: Path) -> JointLog:
-    """Read the .mat file of the EMPS.
-
-    Raises:
-        LogError: see `validate`.
-    """
     there = mat_names(path)
     scalars = [name for name in ("gtau", "kp", "kv") if name in there]
     raw = mat_columns(path, [*_EMPS, *scalars])
@@ -74,11 +69,8 @@ def read_emps(path: Path) -> JointLog:
 
 
 def read_odrive(path: Path) -> JointLog:
-    """Read one recording of the ODrive; rows in messages are samples, counted from 1.
-
-    Raises:
-        LogError: not such a file, or see `validate`.
-    """
+    """Read one recording of the ODrive; rows in messages are samples, counted from 1. LogError for
+    another file, and see `validate`."""
     try:
         rows = np.load(path, allow_pickle=False)
     except Exception as error:  # numpy raises many kinds on a corrupt file
@@ -98,11 +90,8 @@ def joints_of_folder(folder: Path) -> tuple[str, ...]:
 
 
 def read_folder(folder: Path, joint: str | None) -> JointLog:
-    """Read one joint of the Panda's or the TX40's log.
-
-    Raises:
-        LogError: another folder, an unknown joint, a missing or corrupt file, or see `validate`.
-    """
+    """Read one joint of the Panda's or the TX40's log; LogError for another folder, an unknown
+    joint, a missing or corrupt file, or see `validate`."""
     if _is_panda(folder):
         return _read_panda(folder, joint)
     if _is_tx40(folder):

@@ -6,30 +6,17 @@ Isaac Lab and mjlab, JSON of BAM and K-Scale, and the public logs of EMPS, Panda
 folder of logs stands for all of them, see `log_files`.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
 from typing import Any
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured import lerobot, public_logs
 from frictionjoint.measured.arguments import expect
 from frictionjoint.measured.bam_json import read_bam_json
 from frictionjoint.measured.columns import check_names, driven_joints
-from frictionjoint.measured.lerobot import (
-    episode_of,
-    episodes_of,
-    is_lerobot,
-    joints_of_lerobot,
-    read_lerobot,
-)
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.public_logs import (
-    is_emps,
-    joints_of_folder,
-    read_emps,
-    read_folder,
-    read_odrive,
-)
 from frictionjoint.measured.rollout import is_rollout, joints_of_rollout, read_rollout
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
 from frictionjoint.measured.table import TABLES, column_names, read_table
@@ -78,18 +65,12 @@ def read_log(
     expect(units, (Mapping, NoneType), "units", 'give units by quantity, {"position": "deg"}')
     path = Path(path)
     check_units(units or {})
-    if is_lerobot(path):
-        return read_lerobot(path, joint, columns, units)
-    if not path.exists():
-        raise LogError(f"{path}: no such log, check the path")
-    if is_bag(path):
-        return read_rosbag(path, joint, columns, units)
+    if special := _of_joints(path, columns):
+        return special[0](path, joint, columns, units)
     kind = path.suffix.lower()
-    if path.is_file() and is_rollout(path, columns):
-        return read_rollout(path, joint, columns, units)
     if kind in TABLES and path.is_file():
-        if kind == ".mat" and not columns and is_emps(column_names(path)):
-            return read_emps(path)
+        if kind == ".mat" and not columns and public_logs.is_emps(column_names(path)):
+            return public_logs.read_emps(path)
         return read_table(path, joint, columns, signals, wrap, units, drop_nan)
     unknown = LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
     if not path.is_dir() and kind not in _KINDS:
@@ -99,29 +80,38 @@ def read_log(
             f"{path.name}: --column, --unit, --signal and --wrap apply only to {', '.join(TABLES)}"
         )
     if path.is_dir():
-        return read_folder(path, joint)
+        return public_logs.read_folder(path, joint)
     if kind == ".json":
         return read_bam_json(path, joint)
     if kind == ".npy":
-        return read_odrive(path)
+        return public_logs.read_odrive(path)
     raise unknown
 
 
-def log_files(path: str | Path) -> list[Path]:
-    """The logs that a path names: itself, all episodes of a data set, or all logs of a folder.
+def _of_joints(
+    path: Path, columns: Mapping[str, str] | None
+) -> tuple[Callable[..., JointLog], Callable[..., list[str]]] | None:
+    """Readers of a log and of its joints' names, for formats that hold all joints of a robot;
+    LogError if there is no such log."""
+    if lerobot.is_lerobot(path):
+        return lerobot.read_lerobot, lerobot.joints_of_lerobot
+    if not path.exists():
+        raise LogError(f"{path}: no such log, check the path")
+    if is_bag(path):
+        return read_rosbag, joints_of_bag
+    return (read_rollout, joints_of_rollout) if is_rollout(path, columns) else None
 
-    Args:
-        path: a log, a LeRobot data set (``FOLDER#0-7``: some of its episodes), or a folder.
-    Raises:
-        LogError: a folder contains no log.
-    """
+
+def log_files(path: str | Path) -> list[Path]:
+    """The logs that a path names: itself, all episodes of a data set (``FOLDER#0-7``: some), or all
+    logs of a folder; LogError if it has none."""
     path = Path(path)
-    if is_lerobot(path):
-        numbers = episodes_of(path)
-        folder, _ = episode_of(path)
+    if lerobot.is_lerobot(path):
+        numbers = lerobot.episodes_of(path)
+        folder, _ = lerobot.episode_of(path)
         whole = folder == path and len(numbers) == 1
         return [path] if whole else [folder.with_name(f"{folder.name}#{i}") for i in numbers]
-    if not path.is_dir() or is_bag(path) or joints_of_folder(path):
+    if not path.is_dir() or is_bag(path) or public_logs.joints_of_folder(path):
         return [path]
     entries = (x for x in path.iterdir() if x.name not in _RESULTS)
     found = sorted(x for x in entries if x.suffix.lower() in _KINDS or is_bag(x))
@@ -133,11 +123,8 @@ def log_files(path: str | Path) -> list[Path]:
 def each_log(
     logs: Sequence[JointLog | str | Path], held_out: Sequence[JointLog | str | Path] = ()
 ) -> list[JointLog | str | Path]:
-    """Logs one by one: those of a folder or data set without those that are held out.
-
-    Raises:
-        LogError: a folder holds no log.
-    """
+    """Logs one by one: those of a folder or data set without those that are held out. LogError if a
+    folder holds no log."""
     kept = {Path(x) for x in held_out if not isinstance(x, JointLog)}
     found: list[JointLog | str | Path] = []
     for log in logs:
@@ -151,24 +138,13 @@ def each_log(
 
 
 def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of the joints with a logged drive; none if the columns name no joint.
-
-    Args:
-        path, columns: see `read_log`.
-    Raises:
-        LogError: see `read_log`.
-    """
+    """Names of the joints with a logged drive; none if the columns name no joint. Arguments and
+    errors as those of `read_log`."""
     path = Path(path)
-    if is_lerobot(path):
-        return joints_of_lerobot(path)
-    if not path.exists():
-        raise LogError(f"{path}: no such log, check the path")
-    if is_bag(path):
-        return joints_of_bag(path, columns)
-    if path.is_file() and is_rollout(path, columns):
-        return joints_of_rollout(path, columns)
+    if special := _of_joints(path, columns):
+        return special[1](path, columns)
     if path.is_dir():
-        return list(joints_of_folder(path))
+        return list(public_logs.joints_of_folder(path))
     if path.suffix.lower() not in TABLES:
         return []
     names = column_names(path, columns)

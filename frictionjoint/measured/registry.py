@@ -14,21 +14,19 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import pooch
+
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line
 
 
 @dataclass(frozen=True)
 class DataSet:
-    """Logs from one source.
+    """Logs from one source: its page, what was measured, its licence as its authors state it.
 
     Attributes:
         name: argument of `get_data`, and name of its folder in a local copy.
-        title: what was measured, by whom.
-        licence: as its authors state it.
-        source: page of the repository.
-        address: of the folder with the files, including the commit.
-        files: name -> sha256.
+        address: of the folder with the files, including the commit. files: name -> sha256.
         logs: arguments of `read_log`, relative to the folder; ``.`` is the folder itself.
     """
 
@@ -58,11 +56,8 @@ def list_data() -> tuple[DataSet, ...]:
 
 
 def get_data(name: str) -> Path:
-    """Folder with the files of a data set, fetched if need be, hashes checked.
-
-    Raises:
-        LogError: an unknown name, a file missing or altered, or no network.
-    """
+    """Folder with the files of a data set, fetched if need be, hashes checked; LogError for an
+    unknown name, a file missing or altered, or no network."""
     if name not in _sets():
         raise LogError(f"no data set {name!r}, there are {', '.join(_sets())}")
     data = _sets()[name]
@@ -71,8 +66,6 @@ def get_data(name: str) -> Path:
 
 
 def _local(data: DataSet, folder: Path) -> Path:
-    import pooch
-
     for file, digest in data.files.items():
         path = folder / file
         if not path.is_file():
@@ -83,8 +76,6 @@ def _local(data: DataSet, folder: Path) -> Path:
 
 
 def _fetched(data: DataSet) -> Path:
-    import pooch
-
     registry: dict[str, Any] = {file: f"sha256:{digest}" for file, digest in data.files.items()}
     folder = Path(pooch.os_cache("frictionjoint")) / data.name
     pooch.get_logger().setLevel("WARNING")  # its progress lines would hide our one line

@@ -22,14 +22,11 @@ _HELD = (*POSITIONS, *MEASURED_DRIVES)
 
 
 def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Times of a log whose clock restarts with each run, as one clock with gaps between the runs.
+    """Times of a log whose clock restarts with each run, on one clock with gaps, and a note.
 
     A recorder that appends its runs to one file restarts its clock near the first time. A smaller
     step back in time means that rows were swapped. It is left as it is, and the checks of the log
     report it.
-
-    Returns:
-        the times, and a note if there is more than one run.
     """
     if len(time) < 2 or not np.isfinite(time).all():
         return time, ()
@@ -48,14 +45,11 @@ def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
 
 
 def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The columns with a position, integrated from the velocity where a log has no position.
+    """The columns with a position, integrated from the velocity where a log has none, and a note.
 
     Test benches often record speed and torque only. The trapezoidal rule needs no assumption except
     that the velocity is sampled fast enough; the position begins at 0 and drifts with an offset of
     the velocity.
-
-    Returns:
-        all columns, and a note if the position was integrated.
     """
     found, notes = dict(columns), []
     for speed, position in zip(VELOCITIES, POSITIONS, strict=True):
@@ -71,13 +65,10 @@ def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple
 
 
 def without_lone_readings(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The columns with corrupt readings of position and temperature interpolated.
+    """The columns with corrupt readings of position and temperature interpolated, and notes.
 
     A bus that loses a byte returns a distant position for one sample; no joint moves there and
     back.
-
-    Returns:
-        all columns, and a note on each that was changed.
     """
     found, notes = dict(columns), []
     for name, x in columns.items():
@@ -108,11 +99,8 @@ def _outliers(name: str, x: Array, lone: NDArray[np.intp]) -> str:
 
 
 def silent_runs(time: Array, position: Array, drive: Array) -> list[tuple[int, int]]:
-    """Start and end of each interval in which a joint moves without a drive.
-
-    Args:
-        time, position, drive: shape (n,). A drive is off where it is exactly zero for long.
-    """
+    """Start and end of each interval in which a joint moves without a drive, which is off where it
+    is exactly zero for long; all arrays of shape (n,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], drive == 0.0, [0]]).astype(int)))
     # half a second of exactly zero: the drive is off
     return [
@@ -134,10 +122,7 @@ def _moves(position: Array) -> bool:
 def drive_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
     """Notes on drives that are exactly zero for long while the joint moves, or leap for one sample.
 
-    A drive may leap, so its outliers are not repaired.
-
-    Args:
-        columns: of the joint, shape (n,) each, including ``time_s`` and a position.
+    A drive may leap, so its outliers are not repaired. The columns include a position.
     """
     position = next(x for name, x in columns.items() if name in POSITIONS)
     time, notes = columns["time_s"], []
@@ -162,12 +147,10 @@ def drive_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
 def unwrapped(
     source: str, columns: Mapping[str, Array], wrap: float | None
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The columns with unwrapped positions.
+    """The columns with unwrapped positions, and a note on each that was changed.
 
     Args:
         wrap: range at which positions wrap, rad (m); None: the usual ranges.
-    Returns:
-        all columns, and a note on each that was changed.
     Raises:
         LogError: a position jumps by another range, or the range is not positive.
     """

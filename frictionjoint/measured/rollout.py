@@ -48,8 +48,12 @@ def is_rollout(path: Path, columns: Mapping[str, str] | None) -> bool:
     """Whether a file is such a rollout: a .pt, or an .npz with such names and no requested
     columns."""
     if path.suffix.lower() == ".pt":
-        return True
-    if path.suffix.lower() != ".npz" or not set(columns or ()) <= {"joints", "world"}:
+        return path.is_file()
+    if (
+        not path.is_file()
+        or path.suffix.lower() != ".npz"
+        or not set(columns or ()) <= {"joints", "world"}
+    ):
         return False
     try:
         with opened_npz(path) as archive:
@@ -90,11 +94,6 @@ def read_rollout(
 
 
 def joints_of_rollout(path: Path, columns: Mapping[str, str] | None) -> list[str]:
-    """Names of the joints.
-
-    Raises:
-        LogError: see `read_rollout`.
-    """
     return _read(path, columns).joints
 
 

@@ -123,11 +123,7 @@ def _read_fields(
 
 
 def joints_of_bag(path: Path, columns: Mapping[str, str] | None) -> list[str]:
-    """Names of the joints with effort or commands in a bag.
-
-    Raises:
-        LogError: see `read_rosbag`.
-    """
+    """Names of the joints with effort or commands in a bag."""
     mapping = dict(columns or {})
     samples = _by_joint(path, *(mapping.get(name) for name in ("topic", "command", "joints")))
     drives = [_EFFORT, _TARGET]
@@ -172,13 +168,8 @@ def _nanoseconds(message: Any, recorded: int) -> int:
 
 
 def _commanded(path: Path, message: Any, order: list[str]) -> Iterator[tuple[str, float]]:
-    """Joints of a command with their commanded positions.
-
-    Args:
-        order: names of the joints, for a command without names.
-    Raises:
-        LogError: the numbers of names and commands differ.
-    """
+    """Joints of a command with their positions; one without names has those of `order`. LogError if
+    the numbers of names and positions differ."""
     if hasattr(message, "data"):
         if len(order) != len(message.data):
             raise LogError(

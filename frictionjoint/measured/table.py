@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured import hdf5, parquet, text_table
+from frictionjoint.measured import hdf5, parquet, repairs, text_table, validate
 from frictionjoint.measured.arrays import mat_columns, mat_names, npz_columns, npz_names, whole
 from frictionjoint.measured.columns import (
     check_names,
@@ -26,22 +26,7 @@ from frictionjoint.measured.columns import (
 )
 from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.repairs import (
-    drive_notes,
-    unwrapped,
-    with_one_clock,
-    with_position,
-    without_lone_readings,
-    without_repeats,
-)
 from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
-from frictionjoint.measured.validate import (
-    check_columns,
-    check_leaps,
-    check_lengths,
-    check_moves,
-    check_rows,
-)
 
 TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat", *hdf5.ENDINGS)
 _Arrays = tuple[Callable[[Path], list[str]], Callable[[Path, list[str]], dict[str, Array]]]
@@ -62,16 +47,7 @@ def read_table(
     units: Mapping[str, str] | None = None,
     drop_nan: bool = False,
 ) -> JointLog:
-    """Read one joint from a table.
-
-    Args:
-        columns: our column name -> name in the file, for files with other names.
-        signals: further columns to read. wrap: range at which positions wrap, rad (m).
-        units: unit by quantity, for quantities not in SI units, see `units`.
-        drop_nan: leave out rows with an empty cell or NaN, with a note.
-    Raises:
-        LogError: see `validate`; also unknown columns or joints.
-    """
+    """Read one joint from a table; arguments and errors as those of `read_log`."""
     table = check_names(path.name, column_names(path, columns), dict(columns or {}))
     joint = joint_of(path.name, table, joint)
     wanted = choose(path.name, table, joint)
@@ -131,23 +107,24 @@ def log_of(
         signals: further quantities by name. wrap: range at which positions wrap, rad (m).
         units: unit by quantity, for quantities not in SI units, see `units`.
     Raises:
-        LogError: see `validate`, `mend` and `units`.
+        LogError: see `validate` and `units`.
     """
     if units:
         own_names = {k: k if k in _SHARED or "." in k else f"{joint}.{k}" for k in data}
         data = {k: converted(path.name, own_names[k], x, units) for k, x in data.items()}
-    text, further, kept = _has_header(path), signals or {}, None
+    text, kept = _has_header(path), None
+    signals = signals or {}
+    unprefixed, data = {*_SHARED, *signals}, data | signals
     dropped: tuple[str, ...] = ()
 
     def shown(columns: dict[str, Array]) -> dict[str, Array]:
-        own = {k if k in _SHARED or "." in k else prefix + k: x for k, x in columns.items()}
-        return own | further
+        return {k if k in unprefixed or "." in k else prefix + k: x for k, x in columns.items()}
 
     if drop_nan:
-        check_lengths(path.name, shown(data))
-        empty = np.logical_or.reduce([np.isnan(x) for x in (data | further).values()])
+        validate.check_lengths(path.name, shown(data))
+        empty = np.logical_or.reduce([np.isnan(x) for x in data.values()])
         kept = np.flatnonzero(~empty)
-        data, further = ({name: x[kept] for name, x in part.items()} for part in (data, further))
+        data = {name: x[kept] for name, x in data.items()}
         if empty.any():
             dropped = (
                 f"{path.stem}: {int(empty.sum())} of {len(empty)} rows with an empty cell or NaN "
@@ -159,40 +136,28 @@ def log_of(
         place = i if kept is None else int(kept[i])
         return text_table.line_of(path, place) if text else place + 1
 
-    data["time_s"], runs = with_one_clock(data["time_s"])
-    check_rows(path.name, shown(data), row)
-    data, integrated = with_position(data)
-    data, lone = without_lone_readings(data)
-    data, notes = unwrapped(path.name, data, wrap)
-    check_columns(path.name, shown(data), row)
+    data["time_s"], runs = repairs.with_one_clock(data["time_s"])
+    validate.check_rows(path.name, shown(data), row)
+    data, integrated = repairs.with_position(data)
+    data, lone = repairs.without_lone_readings(data)
+    data, notes = repairs.unwrapped(path.name, data, wrap)
+    validate.check_columns(path.name, shown(data), row)
     own = {name: x for name, x in data.items() if "." not in name}
-    check_moves(path.name, shown(own))
-    mixed, more = without_repeats(data | further)
-    data, further = ({name: mixed[name] for name in part} for part in (data, further))
+    validate.check_moves(path.name, shown(own))
+    data, more = repairs.without_repeats(data)
     own = {name: x for name, x in data.items() if "." not in name}
-    check_leaps(path.name, shown(own))
-    said = runs + integrated + lone + notes + more + drive_notes(own)
+    validate.check_leaps(path.name, shown(own))
+    said = runs + integrated + lone + notes + more + repairs.drive_notes(own)
     notes = (*dropped, *(f"{path.stem}: {note}" for note in said))
-    return _from_columns(path.stem, joint, data, further, notes)
-
-
-def _from_columns(
-    name: str,
-    joint: str,
-    data: Mapping[str, Array],
-    signals: dict[str, Array],
-    notes: tuple[str, ...],
-) -> JointLog:
-    """A log from checked columns with our names."""
 
     def others(quantity: str) -> dict[str, Array]:
         parts = ((key.rpartition("."), x) for key, x in data.items())
         return {other: x for (other, dot, unit), x in parts if dot and unit.startswith(quantity)}
 
     slide = "position_m" in data
-    enabled = data.get("torque_enabled")
+    enabled = None if "torque_enabled" in signals else data.get("torque_enabled")
     return JointLog(
-        name=name,
+        name=path.stem,
         joint=joint,
         time=data["time_s"],
         position=data["position_m" if slide else "position_rad"],
@@ -208,7 +173,7 @@ def _from_columns(
         slide=slide,
         other_positions=others("position"),
         other_velocities=others("velocity"),
-        signals=signals,
+        signals={name: data[name] for name in signals},
         notes=notes,
     )
 
@@ -219,11 +184,8 @@ def _has_header(path: Path) -> bool:
 
 
 def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of a table's columns, without reading its rows.
-
-    Args:
-        columns: the requested ones, see `read_table`; of matrices, these parts are named.
-    """
+    """Names of a table's columns, without reading its rows; of matrices those parts that are
+    requested, see `read_table`."""
     if path.suffix.lower() in text_table.ENDINGS:
         return bare_names(path) if is_bare(path) else text_table.header(path)
     arrays = _arrays(path)

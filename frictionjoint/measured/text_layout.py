@@ -5,7 +5,6 @@ import re
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured.units import is_unit
@@ -23,8 +22,8 @@ MOMENT = re.compile(
 )
 
 
-class Layout(NamedTuple):
-    """Layout of a file.
+class Layout:
+    """Layout of a file, by its first lines.
 
     Attributes:
         names: of its columns, None for one without a name. separator: between cells.
@@ -34,14 +33,41 @@ class Layout(NamedTuple):
         units: cell below each name, if there is a line of units.
     """
 
-    names: list[str | None]
-    separator: str
-    point: str
-    before: int
-    zoned: dict[str, bool]
-    title: int = 1
-    skipped: int = 0
-    units: tuple[str, ...] = ()
+    def __init__(self, file: str, lines: Iterator[str]) -> None:
+        # header and first samples are within 60 lines
+        some = [text.rstrip("\n") for text in islice(lines, 60)]
+        if not some:
+            raise LogError(f"{file}: empty, it needs a header row and samples")
+        remarks = next((i for i, line in enumerate(some) if not line.startswith("#")), len(some))
+        title, before = remarks, remarks + 1
+        text = some[title] if title < len(some) else ""
+        if remarks and (remarks == len(some) or _numbers_only(text)):
+            title, before = remarks - 1, remarks
+            text = some[title].lstrip("# ")
+        elif title < len(some):
+            title = _header_line(some, title)
+            before, text = title + 1, some[title]
+        if not text.strip() or "\0" in text:
+            raise LogError(f"{file}, row {title + 1}: no header, give column names there")
+        separator = _separator(text)
+        names = [cell.strip() for cell in next(csv.reader([text], delimiter=separator))]
+        units: tuple[str, ...] = ()
+        below = some[before] if before < len(some) else ""
+        cells = _cells(below, separator)
+        if any(cells) and len(cells) >= len(names) and _is_units_line(cells):
+            units, before = tuple(cells), before + 1
+        sample = _cells(next(filter(None, some[before:]), ""), separator)
+        names = _as_wide_as(names, sample)
+        dates = zip(names, map(MOMENT.fullmatch, sample), strict=False)
+        with_comma = any(re.search(r"\d,\d", line) for line in some[before:])
+        self.names = [cell or None for cell in names]
+        self.separator = separator
+        self.point = "," if separator != "," and with_comma else "."
+        self.before = before
+        self.zoned = {name: bool(date["zone"]) for name, date in dates if date}
+        self.title = title + 1
+        self.skipped = title if title > remarks else 0
+        self.units = units
 
     @property
     def all_names(self) -> list[str]:
@@ -50,59 +76,15 @@ class Layout(NamedTuple):
 
 
 def layout_of(path: Path) -> Layout:
-    """Layout of a file.
-
-    Raises:
-        LogError: the file is empty or no text.
-    """
+    """Layout of a file; LogError if the file is empty or no text."""
     try:
         with path.open(encoding="utf-8-sig") as file:
             # a header is shorter than a megabyte
-            return _from_lines(path.name, iter(lambda: file.readline(1 << 20), ""))
+            return Layout(path.name, iter(lambda: file.readline(1 << 20), ""))
     except UnicodeDecodeError:
         raise LogError(f"{path.name}: not text in UTF-8, save it as UTF-8") from None
     except OSError as error:
         raise LogError(f"{path.name}: cannot be read: {error.strerror}") from None
-
-
-def _from_lines(name: str, lines: Iterator[str]) -> Layout:
-    """Layout of a file from its first lines."""
-    # header and first samples are within 60 lines
-    some = [text.rstrip("\n") for text in islice(lines, 60)]
-    if not some:
-        raise LogError(f"{name}: empty, it needs a header row and samples")
-    remarks = next((i for i, line in enumerate(some) if not line.startswith("#")), len(some))
-    title, before = remarks, remarks + 1
-    text = some[title] if title < len(some) else ""
-    if remarks and (remarks == len(some) or _numbers_only(text)):
-        title, before = remarks - 1, remarks
-        text = some[title].lstrip("# ")
-    elif title < len(some):
-        title = _header_line(some, title)
-        before, text = title + 1, some[title]
-    if not text.strip() or "\0" in text:
-        raise LogError(f"{name}, row {title + 1}: no header, give column names there")
-    separator = _separator(text)
-    names = [cell.strip() for cell in next(csv.reader([text], delimiter=separator))]
-    units: tuple[str, ...] = ()
-    below = some[before] if before < len(some) else ""
-    cells = _cells(below, separator)
-    if any(cells) and len(cells) >= len(names) and _is_units_line(cells):
-        units, before = tuple(cells), before + 1
-    sample = _cells(next(filter(None, some[before:]), ""), separator)
-    names = _as_wide_as(names, sample)
-    dates = zip(names, map(MOMENT.fullmatch, sample), strict=False)
-    decimal_comma = separator != "," and any(re.search(r"\d,\d", line) for line in some[before:])
-    return Layout(
-        names=[cell or None for cell in names],
-        separator=separator,
-        point="," if decimal_comma else ".",
-        before=before,
-        zoned={name: bool(date["zone"]) for name, date in dates if date},
-        title=title + 1,
-        skipped=title if title > remarks else 0,
-        units=units,
-    )
 
 
 def _separator(header: str) -> str:

@@ -30,11 +30,7 @@ _MISSING = {"", "na", "n/a", "#n/a", "#na", "null", "1.#ind", "-1.#ind", "1.#qna
 
 
 def header(path: Path) -> list[str]:
-    """Column names of a file.
-
-    Raises:
-        LogError: the file is empty or no text.
-    """
+    """Column names of a file; LogError if the file is empty or no text."""
     return [name for name in layout_of(path).names if name is not None]
 
 
@@ -46,7 +42,6 @@ def units_row(path: Path) -> tuple[int, dict[str, str]]:
 
 
 def notes(path: Path) -> tuple[str, ...]:
-    """Notes on how the file was read."""
     layout = layout_of(path)
     if layout.title <= 1 or not layout.skipped:
         return ()
@@ -55,12 +50,10 @@ def notes(path: Path) -> tuple[str, ...]:
 
 
 def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[str, Array]:
-    """Some columns of a file, each of shape (n,).
+    """Some columns of a file, each of shape (n,); that of `time` may contain dates and times.
 
     Lines are read in batches: 8 bytes per number in the result, at most 16 while reading.
 
-    Args:
-        time: the column that may contain dates and times.
     Raises:
         LogError: with the line number, for a cell that is no number or a line of another width.
     """

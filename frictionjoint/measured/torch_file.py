@@ -45,11 +45,8 @@ class _Storage(NamedTuple):
 
 
 def read_tensors(path: Path) -> dict[str, Array]:
-    """The tensors and arrays of a file with a table of them, by name, as float64.
-
-    Raises:
-        LogError: not such a file, or one that contains more than tensors and plain containers.
-    """
+    """The tensors and arrays of a file with a table of them, by name, as float64; LogError for
+    another file, or one that contains more than tensors and plain containers."""
     try:
         with zipfile.ZipFile(path) as archive:
             content = _load(path, archive)

@@ -9,7 +9,7 @@ given.
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from scipy.constants import g, inch, lbf
 
@@ -78,30 +78,8 @@ _COLUMNS: dict[str, tuple[tuple[str, ...], dict[str, float]]] = {
 _QUANTITIES = sorted({names[0] for names, _ in _COLUMNS.values()})
 
 
-def units_of(texts: Iterable[str]) -> dict[str, str]:
-    """Unit by quantity, from texts ``position=deg``.
-
-    Raises:
-        LogError: a text does not have that form, or names an unknown quantity or unit.
-    """
-    found: dict[str, str] = {}
-    for text in texts:
-        quantity, equals, unit = text.partition("=")
-        if not (quantity and equals and unit):
-            raise LogError(f"--unit {text}: write QUANTITY=UNIT, e.g. position=deg")
-        if quantity in found:
-            raise LogError(f"--unit {quantity} is given twice: keep one")
-        found[quantity] = unit
-    check_units(found)
-    return found
-
-
 def check_units(units: Mapping[str, str]) -> None:
-    """Check that quantities and units are known.
-
-    Raises:
-        LogError: the first one that is not.
-    """
+    """Check that quantities and units are known; LogError for the first one that is not."""
     for quantity, unit in units.items():
         last = quantity.rpartition(".")[2]
         tables = [table for names, table in _COLUMNS.values() if names[0] == last]
@@ -120,14 +98,8 @@ def check_units(units: Mapping[str, str]) -> None:
 
 
 def converted(source: str, name: str, x: Array, units: Mapping[str, str]) -> Array:
-    """A column in SI units, shape (n,).
-
-    Args:
-        source: file name for the message. name: our column name, a joint's prefix allowed.
-        units: unit by quantity, see `units_of`.
-    Raises:
-        LogError: the unit is not one of this quantity.
-    """
+    """A column in SI units, shape (n,), by our column name, a joint's prefix allowed; LogError if
+    the unit is not one of this quantity."""
     unit = unit_of(name, units)
     if unit is None:
         return x

@@ -44,11 +44,10 @@ _MUST_CHANGE = (*VELOCITIES, *MEASURED_DRIVES)
 
 
 def check_rows(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
-    """Raise LogError unless the columns are numbers along increasing time.
+    """Raise LogError unless columns, of shape (n,) each, are numbers along increasing ``time_s``.
 
     Args:
-        source: file name for the message.
-        columns: by column name (a joint's prefix allowed), each of shape (n,); needs ``time_s``.
+        source: file name for the message. columns: by name, a joint's prefix allowed.
         row: row number in the file of sample i.
     """
     check_lengths(source, columns)
@@ -58,13 +57,8 @@ def check_rows(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
 
 
 def check_columns(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
-    """Raise LogError if the columns of a log cannot be right.
-
-    Args:
-        source: file name for the message.
-        columns: see `check_rows`; positions must not be wrapped.
-        row: row number in the file of sample i.
-    """
+    """Raise LogError if the columns of a log cannot be right; arguments as those of `check_rows`,
+    positions not wrapped."""
     with np.errstate(over="ignore", invalid="ignore"):
         for name, x in columns.items():
             _check_magnitude(source, name, x, row)
@@ -136,11 +130,8 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
 
 
 def require_motion(source: str, position: Array) -> None:
-    """Raise NoMotionError if a position has too few different readings for a velocity.
-
-    Args:
-        source: name of the log and its joint for the message. position: shape (n,).
-    """
+    """Raise NoMotionError if a position, shape (n,), has too few different readings for a
+    velocity."""
     n = len(np.unique(position))
     if n < _FEWEST_READINGS:
         raise NoMotionError(
@@ -150,11 +141,7 @@ def require_motion(source: str, position: Array) -> None:
 
 
 def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError if much of a position's travel happens in jumps.
-
-    Args:
-        columns: without repeated rows, see `repairs.without_repeats`.
-    """
+    """Raise LogError if much of a position's travel, without repeated rows, happens in jumps."""
     for name, x in columns.items():
         held = name.rpartition(".")[2] in _SPEED_OF
         leapt = _travel_leapt(columns["time_s"], x) if held else 0.0

@@ -7,21 +7,26 @@ the method of DerSimonian and Laird (1986), the interval of the mean by that of 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import digamma, polygamma
 from scipy.stats import f, t
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.recordings.estimate import Estimates
-from frictionjoint.recordings.variances import moderated
+
+# range of the prior's degrees of freedom, halved; beyond it the factors are equal
+_LEAST, _MOST = 1e-3, 1e6
 
 
-@dataclass(frozen=True)
 class Between:
     """A parameter over several recordings.
 
+    Args:
+        value, stderr: of each recording, shape (k,), k >= 2, with `dof` degrees of freedom.
+        causes: quantities that differ between recordings, shape (k,) each; NaN: left out.
     Attributes:
         mean: over recordings. interval: 95% interval of the mean.
         deviation: standard deviation between recordings, beyond the errors of the estimates.
@@ -31,14 +36,26 @@ class Between:
         slope: change of the parameter per unit of the cause.
     """
 
-    mean: float
-    interval: tuple[float, float]
-    deviation: float
-    p_value: float
-    stderr: float
-    dof: float
-    cause: str = ""
-    slope: float = 0.0
+    def __init__(
+        self, value: Array, stderr: Array, dof: float, causes: dict[str, Array] | None = None
+    ) -> None:
+        k = len(value)
+        deviation, Q = _deviation(value, stderr, np.ones((k, 1)))
+        w = 1.0 / (stderr**2 + deviation**2)
+        self.deviation = deviation
+        self.mean = float(w @ value / w.sum())
+        spread = float(w @ (value - self.mean) ** 2 / ((k - 1) * w.sum()))
+        half = float(t.ppf(0.975, k - 1) * np.sqrt(spread))
+        self.interval = self.mean - half, self.mean + half
+        self.p_value = float(f.sf(Q / (k - 1), k - 1, dof))
+        errors = 1.0 / float(np.sum(stderr**-2.0))
+        added = 1.0 / float(w.sum()) - errors
+        self.stderr = float(np.sqrt(errors + added))
+        self.dof = (errors + added) ** 2 / (errors**2 / dof + added**2 / (k - 1))
+        self.cause, self.slope = "", 0.0
+        # a cause is named from six recordings on
+        if self.p_value < SIGNIFICANCE and k >= 6:
+            self.cause, self.slope = _cause(value, stderr, deviation, causes or {})
 
 
 def over(found: Sequence[Estimates], i: int) -> Between:
@@ -55,43 +72,7 @@ def over(found: Sequence[Estimates], i: int) -> Between:
         "order of the recordings": np.arange(len(found), dtype=float),
         "torque": np.array([x.load for x in found]),
     }
-    return between(value, np.sqrt(variance), dof, causes)
-
-
-def between(
-    value: Array, stderr: Array, dof: float, causes: dict[str, Array] | None = None
-) -> Between:
-    """Mean and variance of a parameter over recordings.
-
-    Args:
-        value, stderr: estimate of each recording and its error, shape (k,), k >= 2.
-        dof: degrees of freedom of the errors.
-        causes: quantities that differ between recordings, shape (k,) each; those with NaN are left
-            out.
-    """
-    k = len(value)
-    deviation, Q = _deviation(value, stderr, np.ones((k, 1)))
-    w = 1.0 / (stderr**2 + deviation**2)
-    mean = float(w @ value / w.sum())
-    spread = float(w @ (value - mean) ** 2 / ((k - 1) * w.sum()))
-    half = float(t.ppf(0.975, k - 1) * np.sqrt(spread))
-    p_value = float(f.sf(Q / (k - 1), k - 1, dof))
-    errors = 1.0 / float(np.sum(stderr**-2.0))
-    added = 1.0 / float(w.sum()) - errors
-    cause, slope = "", 0.0
-    # a cause is named from six recordings on
-    if p_value < SIGNIFICANCE and k >= 6:
-        cause, slope = _cause(value, stderr, deviation, causes or {})
-    return Between(
-        mean,
-        (mean - half, mean + half),
-        deviation,
-        p_value,
-        stderr=float(np.sqrt(errors + added)),
-        dof=(errors + added) ** 2 / (errors**2 / dof + added**2 / (k - 1)),
-        cause=cause,
-        slope=slope,
-    )
+    return Between(value, np.sqrt(variance), dof, causes)
 
 
 def _deviation(value: Array, stderr: Array, X: Array) -> tuple[float, float]:
@@ -132,3 +113,34 @@ def _cause(
         if p_value < 0.01 / len(causes) and share < best:
             best, found = share, (name, slope)
     return found
+
+
+def moderated(block: Array, independent: Array, dof: Array) -> tuple[Array, float]:
+    """Variances of k estimates of a parameter, and the degrees of freedom of one, of all if the
+    factors between the two kinds of variances are equal.
+
+    A recording of a few seconds has a dozen blocks of time, so its variance has five to ten degrees
+    of freedom: weights by it are noise, and too often the recordings seem to differ. What
+    correlation in time adds to the variance of independent samples is similar in all recordings of
+    a joint. Empirical Bayes (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3, 3) draws this factor
+    towards its mean over the recordings, completely if it varies no more than its degrees of
+    freedom let it.
+
+    Args:
+        block: variances from blocks of time, with `dof` degrees of freedom, shape (k,).
+        independent: variances if samples were independent, shape (k,).
+    """
+    factor, half = block / independent, 0.5 * dof
+    if len(block) < 2:
+        return block, float(dof.sum())
+    logs = np.log(factor) - digamma(half) + np.log(half)
+    excess = float(np.var(logs, ddof=1) - np.mean(polygamma(1, half)))
+    if excess <= polygamma(1, _MOST):
+        return float(dof @ factor / dof.sum()) * independent, float(dof.sum())
+    if excess >= polygamma(1, _LEAST):
+        return block, float(dof.mean())
+    prior = float(brentq(lambda x: polygamma(1, x) - excess, _LEAST, _MOST))
+    centre = np.exp(logs.mean() + digamma(prior) - np.log(prior))
+    both = 2.0 * prior + dof
+    found = (2.0 * prior * centre + dof * factor) / both * independent
+    return found, float(min(both.mean(), dof.sum()))

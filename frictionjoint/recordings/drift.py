@@ -19,7 +19,7 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
-from frictionjoint.recordings.estimate import Estimates, Known, estimate
+from frictionjoint.recordings.estimate import Estimates, Known
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.report.joints import read_joint
 
@@ -28,13 +28,8 @@ State = Literal["confirmed", "changed", "not resolvable"]
 
 @dataclass(frozen=True)
 class Drift:
-    """A parameter in a report and in new logs.
-
-    Attributes:
-        number: its name. before, now: its value in the report and in the new logs.
-        stderr: of the difference. state: see the module; if it is "not resolvable", `now` and
-            `stderr` are None.
-    """
+    """A parameter in a report and in new logs, with the standard error of the difference. A state
+    that is "not resolvable" has neither that nor a value now."""
 
     number: str
     before: float
@@ -44,11 +39,8 @@ class Drift:
 
 
 def known_of(report: Path, joint: str | None = None) -> Known:
-    """The friction of a report: its folder, or report.json next to model.xml.
-
-    Raises:
-        ParameterError: the path is not a report, or the report gives no friction in N m.
-    """
+    """The friction of a report: its folder, or report.json next to model.xml; ParameterError if it
+    is no report, or gives no friction in N m."""
     file, name, own = read_joint(report, joint)
     model = file.with_name("model.xml")
     if not own.get("posterior"):
@@ -63,12 +55,8 @@ def known_of(report: Path, joint: str | None = None) -> Known:
 
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
-    """Compare each parameter of a known friction with new logs.
-
-    Raises:
-        LogError: see `estimate`.
-    """
-    return judged(known, [estimate(known, log) for log in logs])
+    """Compare each parameter of a known friction with new logs."""
+    return judged(known, [Estimates(known, log) for log in logs])
 
 
 def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:

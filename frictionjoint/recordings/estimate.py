@@ -12,7 +12,7 @@ extrapolated to none.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,8 +36,7 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.measured.derivatives import motion_band, on_a_grid, position_noise
-from frictionjoint.measured.gaps import split_at_gaps
-from frictionjoint.measured.log import DRIVES, JointLog
+from frictionjoint.measured.log import DRIVES, JointLog, split_at_gaps
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.parameters import Friction
@@ -52,35 +51,6 @@ from frictionjoint.simulate.carrier import install
 # two signs cancel what is linear in the added noise.
 _EXTRAPOLATED = ((0.0, (1.0,), 3.0), (1.0, (1.0, -1.0), -3.0), (2.0, (1.0, -1.0), 1.0))
 _OF_LEVEL = {e.name for e in CATALOGUE if e.entry == "scales the friction level"}
-
-
-@dataclass(frozen=True)
-class Estimates:
-    """Friction parameters estimated from one recording.
-
-    Attributes:
-        numbers: the p parameters. value: shape (p,).
-        stderr: standard errors from blocks of time, shape (p,). independent: what they would be if
-            samples were independent, shape (p,). dof: degrees of freedom of `stderr`.
-        informed: fraction of the information on each parameter that comes from the recording and
-            not from the prior, 0 to 1, shape (p,).
-        temperature, load, speed: means that may explain a difference between recordings, deg C, N m
-            (N) of the torque's magnitude, rad/s (m/s); NaN if unknown.
-        direction: mean direction of motion, -1 to 1; with motion in only one direction, friction
-            cannot be distinguished from a bias.
-    """
-
-    log: str
-    numbers: tuple[Number, ...]
-    value: Array
-    stderr: Array
-    independent: Array
-    dof: float
-    informed: Array
-    temperature: float
-    load: float
-    speed: float
-    direction: float
 
 
 @dataclass(frozen=True)
@@ -121,64 +91,69 @@ class Known:
         return np.sqrt(np.maximum(0.0, variance))
 
 
-def estimate(known: Known, log: JointLog) -> Estimates:
-    """Estimate the parameters of a known friction from one recording.
+class Estimates:
+    """The parameters of a known friction estimated from one recording.
 
+    Attributes:
+        numbers: the p parameters. value: shape (p,).
+        stderr: standard errors from blocks of time, shape (p,). independent: what they would be if
+            samples were independent, shape (p,). dof: degrees of freedom of `stderr`.
+        informed: fraction of the information on each parameter that comes from the recording and
+            not from the prior, 0 to 1, shape (p,).
+        temperature, load, speed: means that may explain a difference between recordings, deg C, N m
+            (N) of the torque's magnitude, rad/s (m/s); NaN if unknown.
+        direction: mean direction of motion, -1 to 1; with motion in only one direction, friction
+            cannot be distinguished from a bias.
     Raises:
         LogError: the log contains no measured drive, or no motion to compare.
     """
-    numbers = known.numbers
-    if not numbers:
-        raise ParameterError("the friction has no number to compare: all are zero or shapes")
-    parts = [_Part.of(known, part) for part in split_at_gaps(log)]
-    sizes = np.maximum(PRIOR_SIZE * np.abs(known.values), PRIOR_ERRORS * known.stderr)
-    # the last parameter is a time offset of less than a sample between drive and position
-    prior = np.append(sizes, np.median(np.diff(log.time)))
-    trials = []
-    for variance, signs, weight in _EXTRAPOLATED:
-        for sign in signs:
-            added = sign * np.sqrt(variance)
-            trials.append((weight / len(signs), [_linear(known, x, added, numbers) for x in parts]))
-    measured = trials[0][1]
-    if sum(len(x.residual) for x in measured) < 10 * len(numbers):
-        raise LogError(f"{log.name}: too little motion with a known drive to compare")
-    stribeck = np.array([x.name[:2] in ("Fs", "Vs") for x in numbers])
-    held = np.zeros(len(numbers), dtype=bool)
-    while True:
-        prior[:-1][held] = sizes[held] = 1e-9 * np.abs(known.values[held])
-        steps = [(weight, _solve(balances, prior)) for weight, balances in trials]
-        value = known.values + np.sum([weight * x.step for weight, x in steps], axis=0)[:-1]
-        influence = np.sum([weight * x.influence for weight, x in steps], axis=0)
-        m = int(np.sum(np.any(influence != 0.0, axis=1)))
-        dof = float(max(1, m - len(numbers)))
-        stderr = np.sqrt(np.sum(influence[:, :-1] ** 2, axis=0) * m / dof) * ~held
-        # a negative Fs - Fc or Vs stems from the error of the law at low speed and would bias the
-        # others, so it is held at its known value
-        impossible = stribeck & (value < -2.0 * stderr)
-        if not impossible.any():
-            break
-        held = held | impossible
-    independent = steps[0][1].independent[:-1]
-    v = np.concatenate([x.velocity for x in measured])
-    speed = float(np.mean(np.abs(v)))
-    temperature = np.nan if log.temperature is None else float(np.mean(log.temperature))
-    return Estimates(
-        log=log.name,
-        numbers=tuple(numbers),
-        value=value,
-        stderr=stderr,
-        independent=independent,
-        dof=dof,
+
+    def __init__(self, known: Known, log: JointLog) -> None:
+        numbers = known.numbers
+        if not numbers:
+            raise ParameterError("the friction has no number to compare: all are zero or shapes")
+        parts = [_Part(part) for part in split_at_gaps(log)]
+        sizes = np.maximum(PRIOR_SIZE * np.abs(known.values), PRIOR_ERRORS * known.stderr)
+        # the last parameter is a time offset of less than a sample between drive and position
+        prior = np.append(sizes, np.median(np.diff(log.time)))
+        trials = []
+        for variance, signs, weight in _EXTRAPOLATED:
+            for sign in signs:
+                added = sign * np.sqrt(variance)
+                trials.append(
+                    (weight / len(signs), [_linear(known, x, added, numbers) for x in parts])
+                )
+        measured = trials[0][1]
+        if sum(len(x.residual) for x in measured) < 10 * len(numbers):
+            raise LogError(f"{log.name}: too little motion with a known drive to compare")
+        stribeck = np.array([x.name[:2] in ("Fs", "Vs") for x in numbers])
+        held = np.zeros(len(numbers), dtype=bool)
+        while True:
+            prior[:-1][held] = sizes[held] = 1e-9 * np.abs(known.values[held])
+            steps = [(weight, _solve(balances, prior)) for weight, balances in trials]
+            value = known.values + np.sum([weight * x.step for weight, x in steps], axis=0)[:-1]
+            influence = np.sum([weight * x.influence for weight, x in steps], axis=0)
+            m = int(np.sum(np.any(influence != 0.0, axis=1)))
+            dof = float(max(1, m - len(numbers)))
+            stderr = np.sqrt(np.sum(influence[:, :-1] ** 2, axis=0) * m / dof) * ~held
+            # a negative Fs - Fc or Vs stems from the error of the law at low speed and would bias
+            # the others, so it is held at its known value
+            impossible = stribeck & (value < -2.0 * stderr)
+            if not impossible.any():
+                break
+            held = held | impossible
+        self.log, self.numbers = log.name, tuple(numbers)
+        self.value, self.stderr, self.dof = value, stderr, dof
+        self.independent = steps[0][1].independent[:-1]
         # as for independent samples, an upper limit of the information in the recording
-        informed=np.clip(1.0 - (independent / sizes) ** 2, 0.0, 1.0),
-        temperature=temperature,
-        load=float(np.mean(np.abs(np.concatenate([x.acted for x in measured])))),
-        speed=speed,
-        direction=float(np.mean(v)) / speed if speed else 0.0,
-    )
+        self.informed = np.clip(1.0 - (self.independent / sizes) ** 2, 0.0, 1.0)
+        v = np.concatenate([x.velocity for x in measured])
+        self.speed = float(np.mean(np.abs(v)))
+        self.direction = float(np.mean(v)) / self.speed if self.speed else 0.0
+        self.load = float(np.mean(np.abs(np.concatenate([x.acted for x in measured]))))
+        self.temperature = np.nan if log.temperature is None else float(np.mean(log.temperature))
 
 
-@dataclass(frozen=True)
 class _Part:
     """A log without gaps.
 
@@ -189,29 +164,23 @@ class _Part:
         acts: torque per unit of each number of an effect, found along the first motion, (m,).
     """
 
-    log: JointLog
-    corner: float
-    resolution: float
-    noise: Array
-    block: float
-    blocks: int
-    acts: dict[Number, Array] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, known: Known, log: JointLog) -> "_Part":
+    def __init__(self, log: JointLog) -> None:
         if all(getattr(log, kind) is None for kind in DRIVES):
             raise LogError(
                 f"{log.name}: no measured drive, and no controller whose kp and supply are known: "
                 "recordings are compared by it."
             )
         _, position, dt = on_a_grid(log)
-        corner = motion_band(position, dt).whole
+        self.log = log
+        self.corner = motion_band(position, dt).whole
+        self.resolution = position_noise(position, dt, self.corner)
         drawn = np.random.default_rng(0).standard_normal(len(position))
+        self.noise = self.resolution * drawn
         seconds = float(log.time[-1] - log.time[0])
         # a second, or a twelfth of the log
-        block = max(1e-9, min(1.0, seconds / 12.0))
-        resolution = position_noise(position, dt, corner)
-        return cls(log, corner, resolution, resolution * drawn, block, int(seconds / block) + 1)
+        self.block = max(1e-9, min(1.0, seconds / 12.0))
+        self.blocks = int(seconds / self.block) + 1
+        self.acts: dict[Number, Array] = {}
 
 
 class _Balance(NamedTuple):

@@ -16,7 +16,7 @@ from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog
 from frictionjoint.parameter_meanings import unit_of
 from frictionjoint.recordings.between import Between, over
-from frictionjoint.recordings.estimate import Estimates, Known, estimate
+from frictionjoint.recordings.estimate import Estimates, Known
 
 if TYPE_CHECKING:
     from frictionjoint.report.joint_report import Report
@@ -31,19 +31,16 @@ _MEASURED = {
 def with_recordings(
     report: "Report", logs: Sequence[JointLog], fixed: Mapping[str, Pose] | None = None
 ) -> "Report":
-    """Add the differences of parameters between recordings to a report and to its samples.
+    """Add the differences between three or more recordings to a report and to its samples.
 
     Recordings of target and position get the drive of the controller that the report found. Where
     nothing can be compared a note says why.
-
-    Args:
-        logs: recordings; with fewer than three, the report is unchanged.
     """
     if len(logs) < FEWEST:
         return report
     try:
         known = _known(report, fixed)
-        found = [estimate(known, with_known_drive(log, report.controller)) for log in logs]
+        found = [Estimates(known, with_known_drive(log, report.controller)) for log in logs]
     except FrictionJointError as error:
         note = f"The recordings were not compared with each other: {error}"
         return replace(report, notes=(*report.notes, note))
@@ -54,7 +51,10 @@ def with_recordings(
         own = [x for x in found if x.informed[i] > 0.5]
         between = over(own, i) if len(own) >= FEWEST else None
         # A parameter of a law cannot be negative, so such estimates have another cause.
-        if between is None or not _determined(between) or (number.of_law and between.mean < 0.0):
+        if between is None or (number.of_law and between.mean < 0.0):
+            continue
+        low, high = between.interval
+        if not high - low < 2.0 * LOOSE * abs(between.mean):
             continue
         rows.append(_row(number.name, between, own, i))
         # one false alarm in twenty reports, over all parameters; and no law is exact, so values of
@@ -91,11 +91,6 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
         )
     content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
     return Known(report.mjcf, report.joint, content, cov, fixed, constraint)
-
-
-def _determined(between: Between) -> bool:
-    low, high = between.interval
-    return high - low < 2.0 * LOOSE * abs(between.mean)
 
 
 def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dict[str, Any]:

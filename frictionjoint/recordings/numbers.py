@@ -77,10 +77,7 @@ def numbers_of(content: Mapping[str, Any]) -> list[Number]:
 
 def changed(content: Mapping[str, Any], number: Number, by: float) -> JointFriction:
     """The friction with one parameter changed; its transition curve stays consistent.
-
-    Raises:
-        ParameterError: the changed values are not a valid friction.
-    """
+    ParameterError if the changed values are not a valid friction."""
     values = numbers_in(content)
     values[list(number.indices)] += by
     return joint_friction(with_numbers(content, values))

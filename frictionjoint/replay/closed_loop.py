@@ -27,8 +27,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, changing_drive, drive_changes
 from frictionjoint.identify.terms import delay_of as late_by
-from frictionjoint.measured.derivatives import differentiate, followed
-from frictionjoint.measured.first_velocity import first_velocity
+from frictionjoint.measured.derivatives import differentiate, first_velocity, followed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import Replay, motor_of, simulated_effects
 from frictionjoint.replay.windows import LONGEST_STEP

@@ -14,7 +14,6 @@ from frictionjoint.parameters import Friction
 from frictionjoint.report.entries import Curve, SimulatedPosition
 from frictionjoint.report.error_figures import STAGES, Stage
 from frictionjoint.report.joint_report import Report
-from frictionjoint.report.turning_points import turns
 from frictionjoint.report.wording import axis, drive_name
 
 Kind = Literal["line", "points"]
@@ -54,26 +53,12 @@ class Chart:
     low: bool = False
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """A stretch of a log shown in detail: its curve and samples."""
-
-    curve: Curve
-    window: slice
-
-    @property
-    def times(self) -> tuple[float, float]:
-        """First and last time, s."""
-        time = self.curve.time[self.window]
-        return float(time[0]), float(time[-1])
-
-
-def worst_stretch(report: Report) -> Stretch:
-    """The stretch of a held-out log (else of a fitted one) with the largest error of the drive."""
+def worst_stretch(report: Report) -> tuple[Curve, slice]:
+    """The held-out log (else a fitted one) and its samples with the largest error of the drive."""
     curves = [c for c in report.curves if c.role == "held-out"] or list(report.curves)
     found = [_worst(c.time, np.where(c.in_motion, c.measured - c.after, np.nan)) for c in curves]
     k = int(np.argmax([error for _, error in found]))
-    return Stretch(curves[k], found[k][0])
+    return curves[k], found[k][0]
 
 
 def _worst(time: Array, error: Array) -> tuple[slice, float]:
@@ -91,9 +76,10 @@ def _worst(time: Array, error: Array) -> tuple[slice, float]:
     return best
 
 
-def drive_charts(report: Report, s: Stretch, group: str, before: bool) -> tuple[Chart, Chart]:
-    """Measured and predicted drive, and the error, over time."""
-    c, w = s.curve, s.window
+def drive_charts(
+    report: Report, c: Curve, w: slice, group: str, before: bool
+) -> tuple[Chart, Chart]:
+    """Measured and predicted drive, and the error, over time in some samples of a log."""
     name, unit = drive_name(report.units[0], report.slide), report.units[0]
     source = "controller’s" if report.reconstructed else "measured"
     above = [over_time(source, c.time[w], c.measured[w], "measured")]
@@ -118,11 +104,8 @@ def _stages(report: Report, unchanged: str) -> list[tuple[str, Stage]]:
 def position_charts(
     report: Report, found: SimulatedPosition, times: tuple[float, float] | None, group: str
 ) -> tuple[Chart, Chart]:
-    """Measured and simulated position, and the error, over time.
-
-    Args:
-        times: first and last, s; None for the whole log.
-    """
+    """Measured and simulated position, and the error, over time between two `times`, s; None for
+    the whole log."""
     on = np.ones(len(found.time), dtype=bool)
     if times:
         on = (found.time >= times[0]) & (found.time <= times[1])
@@ -151,9 +134,12 @@ def worst_position(report: Report) -> SimulatedPosition | None:
 
 def worst_times(found: SimulatedPosition) -> tuple[float, float]:
     """First and last time, s, of the stretch of a log with the largest position error."""
-    window, _ = _worst(found.time, found.after - found.measured)
-    times = found.time[window]
-    return float(times[0]), float(times[-1])
+    return ends_of(found.time[_worst(found.time, found.after - found.measured)[0]])
+
+
+def ends_of(time: Array) -> tuple[float, float]:
+    """First and last time."""
+    return float(time[0]), float(time[-1])
 
 
 def friction_speed(report: Report) -> Chart:
@@ -284,3 +270,24 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
 def _rms(e: Array) -> float:
     known = e[np.isfinite(e)]
     return root_mean_square(known) if len(known) else 0.0
+
+
+def turns(c: Curve, size: float) -> list[slice]:
+    """Samples from each turning point until the joint has moved by `size`, or turned again."""
+    step = np.diff(c.position)
+    moving = np.flatnonzero(step != 0.0)
+    # a gap in the samples is no turn
+    even = np.diff(c.time) < 1.5 * np.median(np.diff(c.time))
+    found = []
+    for a, b in pairwise(moving):
+        if step[a] * step[b] >= 0.0 or not even[a : b + 1].all():
+            continue
+        end = b + 1
+        while end < len(step) and even[end] and step[end] * step[b] > 0.0:
+            end += 1
+            # a window needs ten samples
+            enough = end - b >= 10
+            if enough and abs(c.position[end] - c.position[b]) >= size:
+                found.append(slice(int(b), int(end) + 1))
+                break
+    return found

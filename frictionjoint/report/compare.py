@@ -19,7 +19,7 @@ from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.report.charts import LAW_COLOURS, Chart, Series, sliding
 from frictionjoint.report.html import fill
-from frictionjoint.report.summary import summarise
+from frictionjoint.report.summary import Summary
 
 KINDS = (".html", ".png", ".svg")
 # Panels: what is drawn, with its axes.
@@ -55,13 +55,14 @@ def compared(read: Mapping[str, JointFriction]) -> list[Compared]:
     # a law without a stiffness creeps at rest: it has no presliding to draw
     pulls = {n: _pull(x.parameters) for n, x in read.items() if x.parameters.stiffness > 0.0}
     lengths = [length for _, length in pulls.values()]
-    fastest = max(_fastest(joint.parameters) for joint in read.values())
+    # sliding is drawn up to ten Stribeck velocities, where friction falls with speed
+    fastest = max(10.0 * (stribeck_velocity(x.parameters) or 0.1) for x in read.values())
     return [_one(name, joint, pulls.get(name), lengths, fastest) for name, joint in read.items()]
 
 
 def report_figures(content: Mapping[str, Any]) -> dict[str, float | str]:
     """Verdict, errors and friction numbers of a report, as text by name."""
-    s = summarise(content)
+    s = Summary(content)
     found: dict[str, float | str] = {
         "joint": s.joint,
         "verdict": s.verdict.replace("-", " "),
@@ -95,7 +96,8 @@ def _one(
             "breakaway torque, N m": float(F.max()),
             "breakaway displacement, rad": length,
             "stiffness at rest, N m/rad": float(F[1] / _PULLED[1]),
-            "work of one presliding loop, J": _loop_work(q, loop),
+            # of the last whole loop
+            "work of one presliding loop, J": float(np.trapezoid(loop[-401:], q[-401:])),
         }
     least = int(np.argmin(torque[speed > 0]))
     figures |= {
@@ -115,11 +117,6 @@ def _pull(parameters: Friction) -> tuple[Array, float]:
     return F, float(_PULLED[int(np.argmax(0.99 * F.max() <= F))])
 
 
-def _fastest(parameters: Friction) -> float:
-    """Speed up to which sliding is drawn: ten Stribeck velocities, if friction falls with speed."""
-    return 10.0 * (stribeck_velocity(parameters) or 0.1)
-
-
 def _reversals(parameters: Friction, amplitude: float) -> tuple[Array, Array]:
     """Two large loops with a small one inside, before sliding and very slowly."""
     corners = amplitude * np.array([0.0, 1.0, -1.0, 0.2, -0.4, 1.0, -1.0, 1.0])
@@ -127,12 +124,6 @@ def _reversals(parameters: Friction, amplitude: float) -> tuple[Array, Array]:
     q = np.concatenate([*legs, corners[-1:]])
     time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))]) / _SLOW
     return q, friction_torque(parameters, time, q)
-
-
-def _loop_work(q: Array, F: Array) -> float:
-    """Work of the last whole loop, J."""
-    last = slice(len(q) - 401, len(q))
-    return float(np.trapezoid(F[last], q[last]))
 
 
 def rows(found: list[Compared]) -> list[tuple[str, list[str]]]:

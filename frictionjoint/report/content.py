@@ -9,10 +9,7 @@ Content = Mapping[str, Any]
 
 
 def content_of(result: Any) -> Any:
-    """A result as tables, lists, numbers and texts.
-
-    What has a `to_dict` decides itself; other dataclasses become tables of their fields.
-    """
+    """A result as tables, lists, numbers and texts: as its `to_dict` decides, or by its fields."""
     if hasattr(result, "to_dict"):
         return content_of(result.to_dict())
     if dataclasses.is_dataclass(result):

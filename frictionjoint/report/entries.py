@@ -27,7 +27,6 @@ class LogEntry:
 
     @classmethod
     def of(cls, log: JointLog, role: Role) -> Self:
-        """From a log."""
         return cls(log.name, len(log.time), log.duration, role)
 
 
@@ -43,7 +42,6 @@ class Evidence:
     ties: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
-        """As in report.json; ties are listed where there are any."""
         return {name: x for name, x in asdict(self).items() if name != "ties" or x}
 
 
@@ -110,11 +108,8 @@ class Ranked:
 
 @dataclass(frozen=True)
 class Looked:
-    """One step of the search, with all candidates, best first.
-
-    Attributes:
-        chosen: the effect that was added, runner_up: the next best; None if there is none.
-    """
+    """One step of the search: the effect that was added and the next best, None if there is none,
+    and all candidates, best first."""
 
     chosen: str | None
     runner_up: str | None

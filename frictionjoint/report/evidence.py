@@ -15,28 +15,40 @@ from frictionjoint.report.numbers import effect_estimates, size_is_determined, s
 from frictionjoint.report.wording import listed, three
 
 
-@dataclass(frozen=True)
 class EffectRow:
-    """An added effect.
+    """An added effect, with its evidence in a report.
 
     Attributes:
-        name: canonical. title: common name. cause, size: in words.
-        gain, p_value, frequency: evidence as decided.
+        name, title: canonical and common. cause, size: in words. gain to frequency: evidence.
         rivals: common names of effects that could also be the cause.
         next_best: common name and gain of the runner-up, if it explains less.
         doubt: why the logs do not support it by itself; empty if they do.
     """
 
-    name: str
-    title: str
-    cause: str
-    size: tuple[str, ...]
-    gain: float
-    p_value: float
-    frequency: float
-    rivals: tuple[str, ...]
-    next_best: tuple[str, float] | None
-    doubt: str
+    def __init__(self, content: Content, added: Content) -> None:
+        evidence, name = added["evidence"], added["effect"]
+        parameters = effect_estimates(content, added)
+        gain, p, runner = evidence["held_out_gain"], evidence["p_value"], evidence["runner_up"]
+        rivals = list(evidence.get("ties", ()))
+        if runner is not None and evidence["margin"] <= 0.0:
+            rivals.append(runner)
+        look = next((x for x in content.get("candidates", ()) if x["chosen"] == name), None)
+        if look:
+            own = max((r["gain"] for r in look["rows"] if r["effect"] == name), default=math.inf)
+            rivals += [r["effect"] for r in look["rows"] if r["gain"] >= own]
+        others = {a["effect"] for a in content["added"]}
+        rivals = [r for r in dict.fromkeys(rivals) if r not in others]
+        self.name: str = name
+        self.cause: str = added.get("cause", "")
+        self.title = title(name, self.cause)
+        self.size = size_of(name, parameters, content.get("slide", False))
+        self.gain, self.p_value = gain, p
+        self.frequency: float = evidence["selection_frequency"]
+        self.rivals = tuple(map(title, rivals))
+        self.next_best: tuple[str, float] | None = None
+        if runner is not None and runner not in rivals:
+            self.next_best = title(runner), max(0.0, gain - evidence["margin"])
+        self.doubt = _doubt(content, name, gain, p, parameters)
 
 
 @dataclass(frozen=True)
@@ -47,37 +59,6 @@ class Candidate:
     gain: float
     p_value: float
     outcome: str
-
-
-def effect_of(content: Content, added: Content) -> EffectRow:
-    """An added effect with its evidence."""
-    evidence, name = added["evidence"], added["effect"]
-    parameters = effect_estimates(content, added)
-    gain, p, runner = evidence["held_out_gain"], evidence["p_value"], evidence["runner_up"]
-    rivals = list(evidence.get("ties", ()))
-    if runner is not None and evidence["margin"] <= 0.0:
-        rivals.append(runner)
-    look = next((x for x in content.get("candidates", ()) if x["chosen"] == name), None)
-    if look:
-        own = max((r["gain"] for r in look["rows"] if r["effect"] == name), default=math.inf)
-        rivals += [r["effect"] for r in look["rows"] if r["gain"] >= own]
-    others = {a["effect"] for a in content["added"]}
-    rivals = [r for r in dict.fromkeys(rivals) if r not in others]
-    next_best = None
-    if runner is not None and runner not in rivals:
-        next_best = (title(runner), max(0.0, gain - evidence["margin"]))
-    return EffectRow(
-        name=name,
-        title=title(name, added.get("cause", "")),
-        cause=added.get("cause", ""),
-        size=size_of(name, parameters, content.get("slide", False)),
-        gain=gain,
-        p_value=p,
-        frequency=evidence["selection_frequency"],
-        rivals=tuple(map(title, rivals)),
-        next_best=next_best,
-        doubt=_doubt(content, name, gain, p, parameters),
-    )
 
 
 def _doubt(

@@ -46,9 +46,7 @@ def write_report(report: Report | RobotReport, folder: Path, command: str) -> No
 
 
 def write_units_report(report: UnitsReport, folder: Path, command: str) -> None:
-    """Write report.json and report.html into `folder`, and each unit's report into a subfolder.
-
-    A new folder is written as a whole or not at all.
+    """Write report.json and report.html into a folder, and those of each unit below it, or nothing.
 
     Raises:
         FrictionJointError: the folder cannot be written, or a model would not load there.

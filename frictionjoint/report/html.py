@@ -7,7 +7,6 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
-import numpy as np
 from jinja2 import Environment, FunctionLoader
 from markupsafe import Markup
 
@@ -42,16 +41,7 @@ def chart_html(chart: Chart, small: bool = False) -> Markup:
         "x_label": chart.x_label,
         "y_label": chart.y_label,
         "group": chart.group,
-        "series": [
-            {
-                "name": s.name,
-                "kind": s.kind,
-                "colour": s.colour,
-                "x": _rounded(s.x),
-                "y": _rounded(s.y),
-            }
-            for s in chart.series
-        ],
+        "series": [vars(s) | {"x": _rounded(s.x), "y": _rounded(s.y)} for s in chart.series],
     }
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     # nothing in it may end the element that holds it
@@ -66,10 +56,7 @@ def chart_html(chart: Chart, small: bool = False) -> Markup:
 
 def _rounded(x: Array) -> list[float | None]:
     """Numbers to five figures; null for missing ones."""
-    return [
-        None if not math.isfinite(v) else float(f"{v:.5g}")
-        for v in np.asarray(x, dtype=float).tolist()
-    ]
+    return [float(f"{v:.5g}") if math.isfinite(v) else None for v in x.tolist()]
 
 
 def _text(name: str) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -120,21 +120,16 @@ class Report:
         return draw(self)
 
     def drive_rms(self, stage: Literal["before", "after"]) -> Rms:
-        """rms of the drive in motion, in the unit of torque; None for a role without logs.
+        """rms of the drive in motion, as the controller's file says or as effects of the drive
+        change it, in the unit of torque; None for a role without logs."""
 
-        Before: the drive of the controller as its file says. After: as changed by effects of the
-        drive.
-        """
-        values: dict[Role, float | None] = {}
-        for role in get_args(Role):
-            drives = [
-                (c.given if stage == "before" else c.measured)[c.in_motion]
-                for c in self.curves
-                if c.role == role
-            ]
-            together = np.concatenate(drives) if drives else np.zeros(0)
-            values[role] = root_mean_square(together) if len(together) else None
-        return Rms(values["fit"], values["held-out"])
+        def rms(role: Role) -> float | None:
+            own = (c for c in self.curves if c.role == role)
+            drives = [(c.given if stage == "before" else c.measured)[c.in_motion] for c in own]
+            together = np.concatenate([*drives, np.zeros(0)])
+            return root_mean_square(together) if len(together) else None
+
+        return Rms(rms("fit"), rms("held-out"))
 
     def _at_rest(self) -> float:
         """Fraction of the samples whose torque the position does not determine."""
@@ -205,7 +200,7 @@ class Report:
         return {"closed_loop_mae": found.mae, "closed_loop_rms": found.rms} if found else {}
 
     def _repr_html_(self) -> str:
-        from frictionjoint.report.notebook import report_html
+        from frictionjoint.report.picture import report_html
 
         return report_html(self)
 

@@ -64,11 +64,8 @@ def joint_content(content: Mapping[str, Any], name: str) -> dict[str, Any]:
 
 
 def read_joints(path: Path) -> tuple[Path, dict[str, dict[str, Any]]]:
-    """The report.json of a folder, or a file itself, and the content of each joint by name.
-
-    Raises:
-        ParameterError: the file is missing, no report of a joint or a robot, or damaged.
-    """
+    """The report.json of a folder, or a file itself, and the content of each joint by name;
+    ParameterError if it is missing, no report of a joint or a robot, or damaged."""
     file = path / "report.json" if path.is_dir() else path
     content = read_json(file, "give report.json of close-loop")
     schema = content.get("schema") if isinstance(content, dict) else None
@@ -102,10 +99,7 @@ def read_joints(path: Path) -> tuple[Path, dict[str, dict[str, Any]]]:
 
 def read_joint(path: Path, joint: str | None) -> tuple[Path, str, dict[str, Any]]:
     """The file of a report, and name and content of one joint; None for the only one.
-
-    Raises:
-        ParameterError: see `read_joints`, or the joint is not in it, or there are several.
-    """
+    ParameterError: see `read_joints`, also if the joint is not in it, or there are several."""
     file, joints = read_joints(path)
     names = ", ".join(joints)
     if joint is None and len(joints) != 1:

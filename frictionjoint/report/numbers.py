@@ -24,12 +24,8 @@ _CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs")
 
 @dataclass(frozen=True)
 class Number:
-    """One parameter.
-
-    Attributes:
-        name: symbol, without a direction if both are equal. meaning: in words.
-        text: value ± standard error with its unit. status: how well the logs determine it.
-    """
+    """One parameter: its symbol, without a direction if both are equal, what it means, value ±
+    standard error with the unit, and how well the logs determine it."""
 
     name: str
     meaning: str

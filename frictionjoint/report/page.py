@@ -8,8 +8,8 @@ from frictionjoint.report import charts, wording
 from frictionjoint.report.html import fill
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.robot_report import RobotReport
-from frictionjoint.report.robot_summary import summarise_robot
-from frictionjoint.report.summary import summarise
+from frictionjoint.report.robot_summary import RobotSummary
+from frictionjoint.report.summary import Summary
 from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.report.wording import quantity
 
@@ -22,26 +22,22 @@ FILTERS = {
 
 
 def render(report: Report, content: Mapping[str, Any]) -> str:
-    """The page of one joint as text.
-
-    Args:
-        report: for the time series.
-        content: of report.json, the source of all figures and sentences.
-    """
-    s = summarise(content)
-    stretch = charts.worst_stretch(report)
+    """The page of one joint as text: all figures and sentences from report.json, time series from
+    the report."""
+    s = Summary(content)
+    curve, window = charts.worst_stretch(report)
     position = charts.worst_position(report)
     # the curves before are those of the errors before, unless causes are shared with other joints
-    before = all(row.before is not None for row in s.logs) if s.changed else False
-    whole = charts.Stretch(stretch.curve, slice(None))
-    in_detail = [*charts.drive_charts(report, stretch, "stretch", before)]
-    in_whole = [*charts.drive_charts(report, whole, "whole", before)]
+    before = s.changed and all(row["before"] is not None for row in s.logs)
+    in_detail = [*charts.drive_charts(report, curve, window, "stretch", before)]
+    in_whole = [*charts.drive_charts(report, curve, slice(None), "whole", before)]
     if position:
         shown, group, times = position, "position", charts.worst_times(position)
         if not s.position_first:
-            at = stretch.curve.name, stretch.curve.role
+            at = curve.name, curve.role
             same = [x for x in report.positions if (x.name, x.role) == at]
-            shown, group, times = [*same, position][0], "stretch", stretch.times
+            times = charts.ends_of(curve.time[window])
+            shown, group = [*same, position][0], "stretch"
         place = 0 if s.position_first else len(in_detail)
         in_detail[place:place] = charts.position_charts(report, shown, times, group)
         in_whole[place:place] = charts.position_charts(report, shown, None, "whole-position")
@@ -51,8 +47,8 @@ def render(report: Report, content: Mapping[str, Any]) -> str:
         "page.html.j2",
         FILTERS,
         s=s,
-        where="held out" if stretch.curve.role == "held-out" else "fitted",
-        log=stretch.curve.name,
+        where="held out" if curve.role == "held-out" else "fitted",
+        log=curve.name,
         position_log=position.name if position and s.position_first else "",
         friction_speed=charts.friction_speed(report),
         presliding=charts.presliding(report) if "determined" in stiffness else None,
@@ -72,13 +68,13 @@ def render_robot(report: RobotReport, content: Mapping[str, Any]) -> str:
     """The page of a robot as text; arguments as those of `render`."""
     pictures = []
     for name, joint in report.joints.items():
-        drive, _ = charts.drive_charts(joint, charts.worst_stretch(joint), "", before=False)
+        drive, _ = charts.drive_charts(joint, *charts.worst_stretch(joint), "", before=False)
         speed = charts.friction_speed(joint)
         pictures.append((name, charts.small(drive), charts.small(speed)))
     return fill(
         "robot.html.j2",
         FILTERS,
-        s=summarise_robot(content),
+        s=RobotSummary(content),
         pages=page_names(list(report.joints)),
         pictures=pictures,
         made=content.get("made", {}),
@@ -99,7 +95,7 @@ def render_units(report: UnitsReport, content: Mapping[str, Any]) -> str:
 
 def unit_sentence(content: Mapping[str, Any]) -> str:
     """A unit's verdict and errors in two sentences."""
-    missing, error = summarise_robot(content).verdict_lines[:2]
+    missing, error = RobotSummary(content).verdict_lines[:2]
     return f"{': '.join(missing)} {': '.join(error)}"
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from io import StringIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,10 +43,9 @@ class Excitation:
             f"{n}.target_{'m' if slide else 'rad'}"
             for n, slide in zip(self.joints, self.slides, strict=True)
         ]
-        rows = [",".join(["time_s", *names])]
-        for t, q in zip(self.time, self.q, strict=True):
-            rows.append(",".join(f"{x:.6g}" for x in (t, *q)))
-        return "\n".join(rows) + "\n"
+        table, text = np.column_stack([self.time, self.q]), StringIO()
+        np.savetxt(text, table, "%.6g", ",", header=",".join(["time_s", *names]), comments="")
+        return text.getvalue()
 
     @property
     def text(self) -> str:
@@ -66,12 +66,8 @@ class Excitation:
 
 @dataclass(frozen=True)
 class SharedCause:
-    """A cause in the model that acts on several joints.
-
-    Attributes:
-        place: body or joints where it is, by key.
-        joints: torque errors of the joints where it acts, without and with it.
-    """
+    """A cause in the model that acts on several joints: body or joints where it is, by key, and
+    torque errors of the joints where it acts, without and with it."""
 
     cause: str
     place: dict[str, str]
@@ -80,7 +76,6 @@ class SharedCause:
     joints: dict[str, tuple[Rms, Rms]]
 
     def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
         errors = {
             name: {"before": {"torque_rms": before}, "after": {"torque_rms": after}}
             for name, (before, after) in self.joints.items()
@@ -91,12 +86,8 @@ class SharedCause:
 
 @dataclass(frozen=True)
 class RobotErrors:
-    """Errors of the robot.
-
-    Attributes:
-        torque_percent: of each joint's rms torque, averaged over joints.
-        replay_rms: position error of free runs of all joints together, rad (m).
-    """
+    """Errors of the robot: torque in per cent of each joint's rms torque, averaged over joints, and
+    position of free runs of all joints together, rms, rad (m)."""
 
     torque_percent: Rms
     replay_rms: Rms
@@ -150,7 +141,6 @@ class RobotReport:
         return "explained" if found <= {"explained", "no-effect-found"} else "partly-explained"
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of report.json."""
         names = ("logs", "joints", "failed", "shared", "before", "after", "undetermined")
         joints = {name: joint.in_robot() for name, joint in self.joints.items()}
         own = {name: getattr(self, name) for name in names} | {"joints": joints}
@@ -160,20 +150,15 @@ class RobotReport:
 
 
 def mean_percent(pairs: list[tuple[Rms, Rms]]) -> Rms:
-    """Errors as percentages of the rms of the drive on the same logs, averaged over joints.
+    """Errors as percentages of the rms of the drive on the same logs, averaged over joints, from
+    the two of each joint."""
 
-    Args:
-        pairs: error and drive of each joint.
-    """
-
-    def mean(values: list[tuple[float | None, float | None]]) -> float | None:
+    def mean(role: str) -> float | None:
+        values = [(getattr(error, role), getattr(drive, role)) for error, drive in pairs]
         known = [error / size for error, size in values if error is not None and size]
         return 100.0 * float(np.mean(known)) if known else None
 
-    return Rms(
-        mean([(error.fit, drive.fit) for error, drive in pairs]),
-        mean([(error.held_out, drive.held_out) for error, drive in pairs]),
-    )
+    return Rms(mean("fit"), mean("held_out"))
 
 
 def notes_of(joints: Mapping[str, Report]) -> tuple[str, ...]:

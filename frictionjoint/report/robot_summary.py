@@ -1,7 +1,6 @@
 """Every figure and sentence in the report of a whole robot, from report.json alone."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from frictionjoint.decisions import SIGNIFICANCE
@@ -13,7 +12,7 @@ from frictionjoint.report.error_figures import STAGES, Stage
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
-from frictionjoint.report.summary import Summary, summarise
+from frictionjoint.report.summary import Summary
 from frictionjoint.report.wording import listed, percentage, three
 
 _NONE = "–"
@@ -21,16 +20,31 @@ _NO_MOTION = "no trajectory was found that stays within the limits of the robot 
 _FRICTION = ("Fc", "Fs", "sigma2", "stiffness")
 
 
-@dataclass(frozen=True)
 class SharedRow:
     """A shared cause: place, numbers, and the torque error of each joint it acts on."""
 
-    title: str
-    size: tuple[str, ...]
-    gain: float
-    p_value: float
-    rivals: tuple[str, ...]
-    joints: tuple[tuple[str, str, str], ...]
+    def __init__(self, content: Content, joints: Mapping[str, Summary], found: Content) -> None:
+        keys = ("cause", "parameters", "evidence", "joints")
+        where = listed([str(x) for key, x in found.items() if key not in keys])
+        rows = []
+        for name, errors in found["joints"].items():
+            if name in joints:
+                rms = content["joints"][name].get("drive", {}).get("rms", {})
+                before, after = (
+                    _fraction(errors[stage]["torque_rms"], rms.get("after", {}), joints[name].role)
+                    for stage in ("before", "after")
+                )
+                rows.append((name, before, after))
+        evidence = found["evidence"]
+        self.title = title(found["cause"]) + (f" of {where}" if where else "")
+        self.size = tuple(
+            f"{quantity_of(found['cause'], name)} {with_unit(x)}"
+            for name, x in estimates(found["parameters"]).items()
+        )
+        self.gain: float = evidence["held_out_gain"]
+        self.p_value: float = evidence["p_value"]
+        self.rivals = tuple(title(x) for x in evidence.get("ties", ()))
+        self.joints = tuple(rows)
 
     @property
     def doubt(self) -> str:
@@ -38,116 +52,101 @@ class SharedRow:
         return f" (p = {three(self.p_value)})" if self.p_value > SIGNIFICANCE else ""
 
 
-@dataclass(frozen=True)
 class JointRow:
     """A joint in a table: effects, errors before and after, verdict; `friction` by symbol."""
 
-    joint: str
-    effects: str
-    torque: str
-    position: str
-    verdict: str
-    friction: tuple[str, ...]
+    def __init__(
+        self, content: Content, name: str, s: Summary, role: str, shared: Sequence[SharedRow]
+    ) -> None:
+        names = [x.title + (f" ({x.doubt})" if x.doubt else "") for x in s.effects]
+        names += [x.title + x.doubt for x in shared if name in [row[0] for row in x.joints]]
+        if s.laws[0] != s.laws[1]:
+            names.append(f"law {s.laws[1]}")
+        torque = [e for e in s.errors if e.unit == s.units[0] and e.quantity in s.drive]
+        position = [
+            e for e in s.errors if e.quantity.startswith("position") and e.quantity[-3:] != "rms"
+        ]
+        worse = content["joints"][name].get("worse") or ()
+        kinds = {"torque_rms": "torque", "replay_rms": "position"}
+        verdict = s.verdict.replace("-", " ")
+        if names and not s.effects and s.verdict == "no-effect-found":
+            verdict = "no further effect found"
+        if worse:
+            verdict += f", worse on held-out logs ({listed([kinds[x] for x in worse])})"
+        by_symbol = {x.name: x for x in s.friction}
+        self.joint = name
+        self.effects = ", ".join(names) or "none"
+        self.torque = _change({e.stage: e.fractions.get(role) or e.text(role) for e in torque}, s)
+        self.position = _change({e.stage: e.text(role) for e in position}, s)
+        self.verdict = verdict
+        self.friction = tuple(_cell(by_symbol, symbol) for symbol in _FRICTION)
 
 
-@dataclass(frozen=True)
-class TorsionRow:
-    """The gear between motor and link."""
-
-    joint: str
-    stiffness: str
-    backlash: str
-    hysteresis: str
-    delay: str
-    twist: str
-    left: str
-
-
-@dataclass(frozen=True)
 class RobotSummary:
-    """Content of a robot's report.
-
-    Attributes:
-        joints: summary of each. rows: one per joint. failed: why a joint has no result.
-        logs: name, samples, duration in s, role.
-    """
-
-    verdict: str
-    verdict_lines: tuple[tuple[str, str], ...]
-    role: str
-    joints: dict[str, Summary]
-    rows: tuple[JointRow, ...]
-    failed: dict[str, str]
-    shared: tuple[SharedRow, ...]
-    torsion: tuple[TorsionRow, ...]
-    undetermined: tuple[str, ...]
-    notes: tuple[str, ...]
-    record_next: tuple[str, ...]
-    logs: tuple[tuple[str, int, float, str], ...]
+    """Content of a robot's report, schema report-2: a summary and a row of each joint, and why a
+    joint has no result; gears between motor and link and logs by the keys of report.json."""
 
     # headings of the columns of friction numbers
     friction_head: ClassVar = ("Coulomb", "breakaway", "viscous", "presliding stiffness")
 
+    def __init__(self, content: Content) -> None:
+        by_joint = content["joints"]
+        held_out = content["after"]["torque_percent"]["held_out"] is not None
+        self.verdict: str = content["verdict"]
+        self.role = "held_out" if held_out else "fit"
+        self.joints = {name: Summary(joint_content(content, name)) for name in by_joint}
+        shared = [SharedRow(content, self.joints, x) for x in content["shared"]]
+        self.shared = tuple(sorted(shared, key=lambda r: -r.gain))
+        self.rows = tuple(
+            JointRow(content, name, s, self.role, self.shared) for name, s in self.joints.items()
+        )
+        self.failed: dict[str, str] = dict(content["failed"])
+        geared = {name: x["torsion"] for name, x in by_joint.items() if "torsion" in x}
+        self.torsion = tuple(_torsion(name, x) for name, x in geared.items())
+        self.undetermined = tuple(x["text"] for x in content["undetermined"])
+        self.notes = without_repetition(content.get("notes", ()))
+        self.record_next = tuple(dict.fromkeys(content.get("proposals", ())))
+        self.logs = tuple(content["logs"])
+        changed = bool(self.shared) or any(s.changed for s in self.joints.values())
+        error = _errors(content, self.role, changed)
+        lines = (
+            ("Missing", self._missing({n for n, x in by_joint.items() if x.get("worse")})),
+            ("Error before and after" if changed else "Error", error),
+            ("Could also be", self._rivals()),
+            ("Record next", self.record_next[0] if self.record_next else _NO_MOTION),
+        )
+        self.verdict_lines = tuple((x, line[0].upper() + line[1:]) for x, line in lines if line)
 
-def summarise_robot(content: Content) -> RobotSummary:
-    """Summarise the report of a robot.
+    def _missing(self, worse: set[str]) -> str:
+        """Causes and effects that the model lacks, and what held-out logs do not confirm."""
+        doubted = {n for n, s in self.joints.items() if s.effects and not _confirmed(s)} | worse
+        by_effect: dict[str, list[str]] = {}
+        for name, s in self.joints.items():
+            for x in s.effects:
+                if not x.doubt and name not in doubted:
+                    by_effect.setdefault(x.title, []).append(name)
+        missing = [f"{effect} ({', '.join(names)})" for effect, names in by_effect.items()]
+        causes = [x.title for x in self.shared if not x.doubt]
+        unsure = [x.title + x.doubt for x in self.shared if x.doubt]
+        text = listed(causes + missing) or "nothing that these logs show for certain"
+        if unsure:
+            text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
+        if doubted:
+            text += f"; held-out logs do not confirm what was found of {listed(sorted(doubted))}"
+        if self.failed:
+            text += f"; without a result: {listed(list(self.failed))}"
+        return text + "."
 
-    Args:
-        content: of report.json, schema report-2.
-    """
-    joints = {name: summarise(joint_content(content, name)) for name in content["joints"]}
-    held = content["after"]["torque_percent"]["held_out"] is not None
-    role = "held_out" if held else "fit"
-    shared = tuple(
-        sorted((_shared(content, joints, x) for x in content["shared"]), key=lambda r: -r.gain)
-    )
-    worse = {n for n, x in content["joints"].items() if x.get("worse")}
-    doubted = {n for n, s in joints.items() if s.effects and not _confirmed(s)} | worse
-    by_effect: dict[str, list[str]] = {}
-    for name, s in joints.items():
-        for x in s.effects:
-            if not x.doubt and name not in doubted:
-                by_effect.setdefault(x.title, []).append(name)
-    missing = [f"{effect} ({', '.join(names)})" for effect, names in by_effect.items()]
-    causes = [x.title for x in shared if not x.doubt]
-    unsure = [x.title + x.doubt for x in shared if x.doubt]
-    rivals = [f"{listed(x.rivals)} instead of {x.title}" for x in shared if x.rivals] + [
-        f"in {name}, {listed(x.rivals)} instead of {x.title}"
-        for name, s in joints.items()
-        for x in s.effects
-        if x.rivals
-    ]
-    text = listed(causes + missing) or "nothing that these logs show for certain"
-    if unsure:
-        text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
-    if doubted:
-        text += f"; held-out logs do not confirm what was found of {listed(sorted(doubted))}"
-    if content["failed"]:
-        text += f"; without a result: {listed(list(content['failed']))}"
-    changed = bool(shared) or any(s.changed for s in joints.values())
-    next_one = tuple(dict.fromkeys(content.get("proposals", ())))
-    lines = (
-        ("Missing", text + "."),
-        ("Error before and after" if changed else "Error", _errors(content, role, changed)),
-        ("Could also be", "; ".join(rivals) + "." if rivals else ""),
-        ("Record next", next_one[0] if next_one else _NO_MOTION),
-    )
-    return RobotSummary(
-        verdict=content["verdict"],
-        verdict_lines=tuple((label, line[0].upper() + line[1:]) for label, line in lines if line),
-        role=role,
-        joints=joints,
-        rows=tuple(_row(content, name, s, role, shared) for name, s in joints.items()),
-        failed=dict(content["failed"]),
-        shared=shared,
-        torsion=tuple(
-            _torsion(name, x["torsion"]) for name, x in content["joints"].items() if "torsion" in x
-        ),
-        undetermined=tuple(x["text"] for x in content["undetermined"]),
-        notes=without_repetition(content.get("notes", ())),
-        record_next=next_one,
-        logs=tuple((x["name"], x["samples"], x["duration_s"], x["role"]) for x in content["logs"]),
-    )
+    def _rivals(self) -> str:
+        """What could be instead of causes and effects; empty for nothing."""
+        rivals = [f"{listed(x.rivals)} instead of {x.title}" for x in self.shared if x.rivals]
+        rivals += [
+            f"in {name}, {listed(x.rivals)} instead of {x.title}"
+            for name, s in self.joints.items()
+            for x in s.effects
+            if x.rivals
+        ]
+        return "; ".join(rivals) + "." if rivals else ""
 
 
 def _confirmed(s: Summary) -> bool:
@@ -178,35 +177,6 @@ def _percent(x: float | None) -> str:
     return _NONE if x is None else percentage(x, 100.0)
 
 
-def _row(
-    content: Content, name: str, s: Summary, role: str, shared: Sequence[SharedRow]
-) -> JointRow:
-    names = [x.title + (f" ({x.doubt})" if x.doubt else "") for x in s.effects]
-    names += [x.title + x.doubt for x in shared if name in [row[0] for row in x.joints]]
-    if s.laws[0] != s.laws[1]:
-        names.append(f"law {s.laws[1]}")
-    torque = [e for e in s.errors if e.unit == s.units[0] and e.quantity in s.drive]
-    position = [
-        e for e in s.errors if e.quantity.startswith("position") and e.quantity[-3:] != "rms"
-    ]
-    worse = content["joints"][name].get("worse") or ()
-    kinds = {"torque_rms": "torque", "replay_rms": "position"}
-    verdict = s.verdict.replace("-", " ")
-    if names and not s.effects and s.verdict == "no-effect-found":
-        verdict = "no further effect found"
-    if worse:
-        verdict += f", worse on held-out logs ({listed([kinds[x] for x in worse])})"
-    by_symbol = {x.name: x for x in s.friction}
-    return JointRow(
-        joint=name,
-        effects=", ".join(names) or "none",
-        torque=_change({e.stage: e.fractions.get(role) or e.text(role) for e in torque}, s),
-        position=_change({e.stage: e.text(role) for e in position}, s),
-        verdict=verdict,
-        friction=tuple(_cell(by_symbol, symbol) for symbol in _FRICTION),
-    )
-
-
 def _cell(numbers: Mapping[str, Any], symbol: str) -> str:
     """A friction number; both directions if they differ."""
     names = (symbol,) if symbol in numbers else (f"{symbol}_pos", f"{symbol}_neg")
@@ -221,46 +191,14 @@ def _change(texts: Mapping[Stage, str], s: Summary) -> str:
     return text.replace(f"\u00a0{s.units[1]} →", " →")
 
 
-def _shared(content: Content, joints: Mapping[str, Summary], found: Content) -> SharedRow:
-    keys = ("cause", "parameters", "evidence", "joints")
-    where = listed([str(x) for key, x in found.items() if key not in keys])
-    rows = []
-    for name, errors in found["joints"].items():
-        if name in joints:
-            rms = content["joints"][name].get("drive", {}).get("rms", {})
-            before, after = (
-                _fraction(errors[stage]["torque_rms"], rms.get("after", {}), joints[name].role)
-                for stage in ("before", "after")
-            )
-            rows.append((name, before, after))
-    evidence = found["evidence"]
-    return SharedRow(
-        title=title(found["cause"]) + (f" of {where}" if where else ""),
-        size=tuple(
-            f"{quantity_of(found['cause'], name)} {with_unit(x)}"
-            for name, x in estimates(found["parameters"]).items()
-        ),
-        gain=evidence["held_out_gain"],
-        p_value=evidence["p_value"],
-        rivals=tuple(title(x) for x in evidence.get("ties", ())),
-        joints=tuple(rows),
-    )
-
-
 def _fraction(errors: Content, whole: Content, role: str) -> str:
     error, size = errors[role], whole.get(role)
     return _NONE if error is None else percentage(error, size) if size else three(error)
 
 
-def _torsion(name: str, x: Content) -> TorsionRow:
+def _torsion(name: str, x: Content) -> dict[str, str]:
     geared = [f"motor also geared to {n} ({c:.4g})" for n, c in x.get("geared", {}).items()]
-
-    def text(key: str) -> str:
-        value = x.get(key)
-        return with_unit(Estimate(**value)) if value else "none seen"
-
-    return TorsionRow(
-        ", ".join([name, *geared]),
-        *map(text, ("stiffness", "backlash", "hysteresis", "link_position_older")),
-        *(three(x[key]) for key in ("twist_rms", "left_rms")),
-    )
+    row = {"joint": ", ".join([name, *geared])}
+    for key in ("stiffness", "backlash", "hysteresis", "link_position_older"):
+        row[key] = with_unit(Estimate(**x[key])) if x.get(key) else "none seen"
+    return row | {key: three(x[key]) for key in ("twist_rms", "left_rms")}

@@ -5,8 +5,6 @@ the logs do not support are withheld where they are made: here, in `error_figure
 and in `numbers`.
 """
 
-from dataclasses import dataclass
-
 from frictionjoint.decisions import AT_THE_FLOOR, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.report.content import Content
 from frictionjoint.report.error_figures import (
@@ -24,67 +22,65 @@ from frictionjoint.report.error_figures import (
 from frictionjoint.report.evidence import (
     Candidate,
     EffectRow,
-    effect_of,
     smallest_of,
     step_of,
     threshold_of,
 )
 from frictionjoint.report.notes import without_repetition
-from frictionjoint.report.numbers import Number, carried, friction_card, result_estimates
+from frictionjoint.report.numbers import carried, friction_card, result_estimates
 from frictionjoint.report.wording import listed, quantity, three
 
 
-@dataclass(frozen=True)
-class LogRow:
-    """A log with its errors of the drive in motion."""
-
-    name: str
-    samples: int
-    duration_s: float
-    role: str
-    before: float | None
-    after: float | None
-
-
-@dataclass(frozen=True)
 class Summary:
-    """Content of the report of one joint.
+    """Content of the report of one joint: schema report-1, or a joint of report-2 with its logs.
 
     Attributes:
-        verdict: as in report.json. units: of drive and position. drive: its name.
-        role: of the logs in the headline. noise: a sentence; `noise_level` its value if plausible.
-        errors: most important first. at_rest: fraction of the samples.
-        position_first: whether position comes first, as for servos. changed: whether the result
-            differs from the base fit. friction: the main friction numbers.
+        units: of drive and position. drive: its name. role: of the logs in the headline.
+        noise: a sentence; `noise_level` its value if plausible. errors: most important first.
+        at_rest: fraction of the samples. position_first: whether it comes first, as for servos.
+        changed: whether the result differs from the base fit. friction: the main friction numbers.
         parameters: those in model.xml. steps: candidates of each step of the search.
         threshold: when an effect is normally added, in a sentence.
         smallest: each further effect, and the smallest torque that these logs would have shown.
         law_errors: rms error in motion on fitted logs with each friction law.
+        logs: as in report.json, with their errors of the drive, `before` and `after`.
     """
 
-    joint: str
-    verdict: str
-    units: tuple[str, str]
-    drive: str
-    role: str
-    changed: bool
-    position_first: bool
-    errors: tuple[ErrorRow, ...]
-    noise: str
-    noise_level: float | None
-    friction: tuple[Number, ...]
-    effects: tuple[EffectRow, ...]
-    steps: tuple[tuple[Candidate, ...], ...]
-    threshold: str
-    smallest: tuple[tuple[str, str], ...]
-    law_errors: dict[str, float]
-    parameters: tuple[Number, ...]
-    unexplained: tuple[tuple[str, float], ...]
-    notes: tuple[str, ...]
-    record_next: tuple[str, ...]
-    logs: tuple[LogRow, ...]
-    laws: tuple[str, str]
-    at_rest: float = 0.0
+    def __init__(self, content: Content) -> None:
+        law = content["base"]["law"]
+        held_out = content["after"]["torque_rms"]["held_out"] is not None
+        self.joint: str = content.get("joint", "")
+        self.verdict: str = content["verdict"]
+        self.role = "held_out" if held_out else "fit"
+        self.laws: tuple[str, str] = law, content["after"].get("law", law)
+        self.units = units_of(content)
+        self.drive = drive_of(content, self.units[0])
+        self.noise, self.noise_level = noise_of(content, self.units[0])
+        self.smallest = smallest_of(content, self.units[0])
+        self.effects = tuple(EffectRow(content, added) for added in content["added"])
+        # a joint of a robot may change by a cause that it shares
+        other_law = self.laws[0] != self.laws[1]
+        self.changed = bool(self.effects) or other_law or models_differ(content)
+        self.errors = errors_of(content, self.units)
+        closed = [e for e in self.errors if e.quantity.endswith("closed loop")]
+        self.position_first = bool(closed)
+        if closed:
+            others = [e for e in self.errors if e not in closed]
+            others.sort(key=lambda e: not e.quantity.startswith("position"))
+            self.errors = (*closed, *others)
+        if not self.changed:
+            self.errors = tuple(e for e in self.errors if e.stage == "after")
+        looks = [look for look in content.get("candidates", ()) if look["rows"]]
+        self.steps = tuple(step_of(look, self.effects) for look in looks)
+        self.threshold = threshold_of(content, self.effects)
+        self.friction = friction_card(result_estimates(content))
+        self.parameters = carried(content)
+        self.law_errors: dict[str, float] = dict(content.get("law_errors", {}))
+        self.unexplained = tuple((x["variable"], x["share"]) for x in content["unexplained"])
+        self.notes = without_repetition(content.get("notes", ()))
+        self.record_next = tuple(dict.fromkeys(content.get("proposals", ())))
+        self.logs = _logs(content)
+        self.at_rest: float = content.get("at_rest") or 0.0
 
     @property
     def verdict_lines(self) -> tuple[tuple[str, str], ...]:
@@ -105,16 +101,7 @@ class Summary:
         # mentioned from a tenth of the squared residual on
         return tuple(c for c in self.steps[-1] if c.gain >= 0.1 and c.p_value <= SIGNIFICANCE)
 
-    @property
-    def covered(self) -> str:
-        """The samples to which the errors and the search refer."""
-        # a statement on logs that are at rest half of the time must mention it
-        if self.at_rest < 0.5:
-            return "these logs"
-        return f"the {1.0 - self.at_rest:.0%} of the samples in which the joint moves"
-
     def error(self, quantity: str, stage: Stage) -> ErrorRow | None:
-        """A row of the errors, if it is stated."""
         rows = (e for e in self.errors if e.quantity == quantity and e.stage == stage)
         return next(rows, None)
 
@@ -123,69 +110,10 @@ class Summary:
         return compared(self.error(quantity, "before"), self.error(quantity, "after"), self.role)
 
 
-def summarise(content: Content) -> Summary:
-    """Summarise the report of one joint.
-
-    Args:
-        content: of report.json, schema report-1, or of one joint of report-2 with its logs.
-    """
-    units = units_of(content)
-    role = "held_out" if content["after"]["torque_rms"]["held_out"] is not None else "fit"
-    laws = content["base"]["law"], content["after"].get("law", content["base"]["law"])
-    effects = tuple(effect_of(content, added) for added in content["added"])
-    errors = errors_of(content, units)
-    # a joint of a robot may change by a cause that it shares
-    changed = bool(effects) or laws[0] != laws[1] or models_differ(content)
-    position_first = any(e.quantity.endswith("closed loop") for e in errors)
-    if position_first:
-        closed = [e for e in errors if e.quantity.endswith("closed loop")]
-        others = [e for e in errors if e not in closed]
-        errors = (*closed, *sorted(others, key=lambda e: not e.quantity.startswith("position")))
-    if not changed:
-        errors = tuple(e for e in errors if e.stage == "after")
-    noise, noise_level = noise_of(content, units[0])
-    unexplained = tuple((x["variable"], x["share"]) for x in content["unexplained"])
-    return Summary(
-        joint=content.get("joint", ""),
-        verdict=content["verdict"],
-        units=units,
-        drive=drive_of(content, units[0]),
-        role=role,
-        changed=changed,
-        position_first=position_first,
-        errors=errors,
-        noise=noise,
-        noise_level=noise_level,
-        friction=friction_card(result_estimates(content)),
-        effects=effects,
-        steps=tuple(
-            step_of(look, effects) for look in content.get("candidates", ()) if look["rows"]
-        ),
-        threshold=threshold_of(content, effects),
-        smallest=smallest_of(content, units[0]),
-        law_errors=dict(content.get("law_errors", {})),
-        parameters=carried(content),
-        unexplained=unexplained,
-        notes=without_repetition(content.get("notes", ())),
-        record_next=tuple(dict.fromkeys(content.get("proposals", ()))),
-        logs=_logs(content),
-        laws=laws,
-        at_rest=content.get("at_rest") or 0.0,
-    )
-
-
-def _logs(content: Content) -> tuple[LogRow, ...]:
+def _logs(content: Content) -> tuple[Content, ...]:
     errors = {(e["name"], e["role"]): e for e in content.get("log_errors", ())}
-    return tuple(
-        LogRow(
-            log["name"],
-            log["samples"],
-            log["duration_s"],
-            log["role"],
-            *(errors.get((log["name"], log["role"]), {}).get(stage) for stage in STAGES),
-        )
-        for log in content["logs"]
-    )
+    unknown = dict.fromkeys(STAGES)
+    return tuple(unknown | x | errors.get((x["name"], x["role"]), {}) for x in content["logs"])
 
 
 def _missing(s: Summary) -> str:
@@ -217,7 +145,10 @@ def _missing(s: Summary) -> str:
                 f"residual (p = {three(best.p_value)}), {why}.{times}"
             )
         if noise and error is not None and error <= AT_THE_FLOOR * noise:
-            return f"nothing that {s.covered} can show; the error is hardly more than the noise."
+            # a statement on logs that are at rest half of the time must mention it
+            moving = f"the {1.0 - s.at_rest:.0%} of the samples in which the joint moves"
+            shown = "these logs" if s.at_rest < 0.5 else moving
+            return f"nothing that {shown} can show; the error is hardly more than the noise."
         return (
             "no effect was found; no known effect and no measured quantity explains a significant "
             "part of the error." + times

@@ -3,22 +3,19 @@
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from frictionjoint.report.robot_summary import RobotSummary, summarise_robot
-from frictionjoint.report.summary import Summary, summarise
+from frictionjoint.report.robot_summary import RobotSummary
+from frictionjoint.report.summary import Summary
 
 # notes that a terminal has room for; the page has all of them
 _MOST_NOTES = 5
 
 
 def summary_text(content: Mapping[str, Any]) -> str:
-    """The verdict, the friction numbers, the effects or causes, the most important notes.
-
-    Args:
-        content: of report.json, of one joint or of a robot.
-    """
+    """The verdict, the friction numbers, the effects or causes, and the most important notes in
+    report.json of one joint or of a robot."""
     if "joints" in content:
-        return _robot_text(summarise_robot(content))
-    s = summarise(content)
+        return _robot_text(RobotSummary(content))
+    s = Summary(content)
     lines = _labelled(s.verdict_lines)
     lines += ["", f"Friction of {s.joint or 'the joint'}, law {s.laws[1]}:"]
     lines += _labelled([(x.meaning, x.qualified) for x in s.friction], indent="  ")
@@ -43,11 +40,10 @@ def _robot_text(s: RobotSummary) -> str:
         numbers = zip(s.friction_head, row.friction, strict=True)
         lines.append("  " + ", ".join(f"{name} {x}" for name, x in numbers))
     lines += [f"{name}: no result: {why}" for name, why in s.failed.items()]
-    lines += [
-        f"{t.joint}: gear stiffness {t.stiffness}, backlash {t.backlash}, hysteresis {t.hysteresis}"
-        for t in s.torsion
-        if {t.stiffness, t.backlash, t.hysteresis} != {"none seen"}
-    ]
+    for t in s.torsion:
+        gear = [f"{key} {t[key]}" for key in ("stiffness", "backlash", "hysteresis")]
+        if not all(text.endswith("none seen") for text in gear):
+            lines.append(f"{t['joint']}: gear {', '.join(gear)}")
     return "\n".join([*lines, *_notes(s)])
 
 

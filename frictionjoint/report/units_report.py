@@ -16,12 +16,8 @@ SCHEMA = "frictionjoint/units-1"
 
 @dataclass(frozen=True)
 class Spread:
-    """A parameter that several units have.
-
-    Attributes:
-        owner: the joint, or the shared cause with its place. name: of the parameter. unit: SI.
-        of_unit: estimates by the unit's name.
-    """
+    """A parameter of a joint, or of a shared cause with its place (`owner`), that several units
+    have: estimates by the unit's name, in the same SI unit."""
 
     owner: str
     name: str
@@ -30,7 +26,6 @@ class Spread:
 
     @property
     def mean(self) -> float:
-        """Mean over units."""
         return float(np.mean([x.value for x in self.of_unit.values()]))
 
     @property
@@ -48,7 +43,6 @@ class Spread:
         return root_mean_square(np.array(known)) if len(known) == len(errors) else None
 
     def to_dict(self) -> dict[str, Any]:
-        """As in report.json."""
         return {
             "of": self.owner,
             "parameter": self.name,
@@ -62,11 +56,8 @@ class Spread:
 
 @dataclass(frozen=True)
 class UnitsReport:
-    """Result of `close_loop_units`.
-
-    Attributes:
-        units: a report by the unit's name. failed: one line per unit without a result.
-    """
+    """Result of `close_loop_units`: a report by the unit's name, and one line per unit without a
+    result."""
 
     units: dict[str, RobotReport]
     failed: dict[str, str]
@@ -103,7 +94,6 @@ class UnitsReport:
         return tuple(found)
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of report.json."""
         return {
             "schema": SCHEMA,
             "units": content_of(self.units),

@@ -42,7 +42,6 @@ def percentage(value: float, whole: float) -> str:
 
 
 def unit(text: str) -> str:
-    """A unit as text."""
     return "none" if text == "1" else text.replace("^2", "²")
 
 
@@ -52,7 +51,6 @@ def three(value: float | None, figures: int = 3) -> str:
 
 
 def interval(pair: tuple[float, float] | None) -> str:
-    """Low to high."""
     return f"{three(pair[0])} to {three(pair[1])}" if pair else "–"
 
 

@@ -4,7 +4,6 @@ import contextlib
 import os
 import secrets
 import shutil
-import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from frictionjoint.errors import FrictionJointError
 # by name of a file
 Contents = Mapping[str, str | bytes]
 Checks = Mapping[str, Callable[[Path], None]]
-_HIDDEN = ".frictionjoint-"
 
 
 def write_files(folder: Path, contents: Contents, checks: Checks | None = None) -> None:
@@ -24,7 +22,7 @@ def write_files(folder: Path, contents: Contents, checks: Checks | None = None) 
 
     Args:
         checks: by name of a file: called with the path of the finished file, before it is renamed,
-            in the folder itself or one next to it; an exception leaves nothing new.
+            in the folder itself or one next to it.
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
     """
@@ -41,16 +39,14 @@ def write_files(folder: Path, contents: Contents, checks: Checks | None = None) 
 def _as_new(folder: Path, contents: Contents, checks: Checks) -> None:
     parent = folder.absolute().parent
     missing = [p for p in (parent, *parent.parents) if not p.exists()]
-    staging = None
+    staging = parent / _hidden()
     try:
         parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(prefix=_HIDDEN, dir=parent))
+        staging.mkdir()
         _finish(staging, "", contents, checks)
-        staging.chmod(0o777 & ~_umask())  # mkdtemp makes it private
         os.rename(staging, folder)
     except BaseException:
-        if staging is not None:
-            shutil.rmtree(staging, ignore_errors=True)
+        shutil.rmtree(staging, ignore_errors=True)
         for empty in missing:
             with contextlib.suppress(OSError):
                 empty.rmdir()
@@ -58,7 +54,7 @@ def _as_new(folder: Path, contents: Contents, checks: Checks) -> None:
 
 
 def _into(folder: Path, contents: Contents, checks: Checks) -> None:
-    hidden = f"{_HIDDEN}{secrets.token_hex(4)}-"
+    hidden = _hidden()
     try:
         _finish(folder, hidden, contents, checks)
         for name in contents:
@@ -78,7 +74,6 @@ def _finish(folder: Path, prefix: str, contents: Contents, checks: Checks) -> No
         check(folder / (prefix + name))
 
 
-def _umask() -> int:
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask
+def _hidden() -> str:
+    """A name, or the beginning of names, that nothing else has."""
+    return f".frictionjoint-{secrets.token_hex(4)}-"

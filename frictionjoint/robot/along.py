@@ -4,8 +4,10 @@ The torque is linear in the parameters of bodies, rotors and shafts, so its colu
 decimated once, and any change of corrections is a sum of them.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -42,7 +44,7 @@ class Along:
         # what does not depend on what changed is not made again
         same = ["tree", "dof", "_believed", "_others", "rate"]
         if self.state.moves_alike(state):
-            same += ["regressor", "_bodies", "_turned", "_shafts"]
+            same += ["regressor", "_columns"]
             bodies = [(b, self.state.phi[b].tobytes()) for b in self.tree.beyond[self.dof]]
             torques = self._torques
             found._torques.update({key: torques[key] for key in bodies if key in torques})
@@ -51,7 +53,6 @@ class Along:
 
     @cached_property
     def dof(self) -> int:
-        """Degree of freedom of the joint."""
         return int(self.model.jnt_dofadr[self.body.joint_id])
 
     @property
@@ -61,7 +62,6 @@ class Along:
 
     @cached_property
     def tree(self) -> Tree:
-        """Topology of the model."""
         return Tree(self.model)
 
     @cached_property
@@ -88,12 +88,16 @@ class Along:
 
     def bodies(self, body: int) -> Array:
         """Torque per unit of a body's ten parameters, shape (k, 10)."""
-        if body not in self._bodies:
-            self._bodies[body] = self.original.balanced(self.regressor.body(body, self.dof))
-        return self._bodies[body]
+        return self._once(body, lambda: self.original.balanced(self.regressor.body(body, self.dof)))
+
+    def _once(self, key: Any, made: Callable[[], Array]) -> Array:
+        """A column that depends on the motion and gravity alone, computed once."""
+        if key not in self._columns:
+            self._columns[key] = made()
+        return self._columns[key]
 
     @cached_property
-    def _bodies(self) -> dict[int, Array]:
+    def _columns(self) -> dict[Any, Array]:
         return {}
 
     @cached_property
@@ -103,25 +107,21 @@ class Along:
 
     def offset(self, joint: str) -> Array:
         """Torque per rad (m) of a joint's zero, shape (k,)."""
-        if joint not in self._turned:
+        beyond = self.tree.beyond[int(self.model.joint(joint).dofadr[0])]
+        bodies = [b for b in self.tree.beyond[self.dof] if b in beyond]
+
+        def turned() -> Array:
             step = 1e-5  # rad (m)
             moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + step}
-            bodies = self.tree.beyond[int(self.model.joint(joint).dofadr[0])]
-            other = self.regressor.moved(self._trajectory(moved), bodies)
-            self._turned[joint] = {
-                b: (self.original.balanced(other.body(b, self.dof)) - self.bodies(b)) / step
-                for b in self.tree.beyond[self.dof]
-                if b in bodies
-            }
+            other = self.regressor.moved(self._trajectory(moved), beyond)
+            columns = (self.original.balanced(other.body(b, self.dof)) for b in bodies)
+            found = [(x - self.bodies(b)) / step for b, x in zip(bodies, columns, strict=True)]
+            return np.array(found)
+
         found = np.zeros(len(self.rate))
-        for b, x in self._turned[joint].items():
+        for b, x in zip(bodies, self._once(joint, turned), strict=True):
             found += x @ self.state.phi[b]
         return found
-
-    @cached_property
-    def _turned(self) -> dict[str, dict[int, Array]]:
-        """Change of the columns of bodies beyond the joint per rad (m) of a joint's zero."""
-        return {}
 
     def shaft(self, shaft: Shaft) -> Array:
         """Torque per unit of a shaft's parameters over the whole grid, shape (n, 6)."""
@@ -141,11 +141,6 @@ class Along:
         """Torque per unit of a shaft's parameters, shape (k, 6)."""
         return self.original.balanced(self.shaft(shaft))
 
-    @cached_property
-    def _shafts(self) -> dict[Shaft, Array]:
-        """Columns of shafts by what determines them."""
-        return {}
-
     def linear(self, before: Corrections, after: Corrections) -> Array:
         """Change of torque between two corrections near this state, to first order, (k,)."""
         found = np.zeros(len(self.rate))
@@ -164,9 +159,7 @@ class Along:
         for shaft, other in zip(after.shafts, before.shafts, strict=True):
             step = shaft.numbers - other.numbers
             if np.any(step):
-                if shaft.bare not in self._shafts:
-                    self._shafts[shaft.bare] = self.kept_shaft(shaft)
-                found += self._shafts[shaft.bare] @ step
+                found += self._once(shaft.bare, partial(self.kept_shaft, shaft)) @ step
         return found
 
     @cached_property
@@ -175,11 +168,7 @@ class Along:
         return self.original.balanced(self.original.signals[:, A])
 
     def segment(self, like: Segment) -> Segment:
-        """A log with the load of the corrected model.
-
-        Args:
-            like: the same log with its present weights.
-        """
+        """A log, `like` with its present weights, with the load of the corrected model."""
         change = self.torque - self._believed + self.of_shafts()
         return self._loaded(like, change, self._armature)
 

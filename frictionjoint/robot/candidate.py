@@ -52,7 +52,6 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """Name of the candidate and place where it acts."""
         return self.cause.label if self.cause else effect_label(self.effect, *self.joints)
 
 

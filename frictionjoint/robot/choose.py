@@ -144,8 +144,7 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
             of single joints are not kept, because they would compensate for the harm of a cause.
         without: the model without each cause.
     Returns:
-        index of each, and the ratio of the sums of squares without and with it to first order, by
-            joint, (J,).
+        index of each, and the ratio of the sums of squares without and with it, by joint, (J,).
     """
     now, found = _left_by_robot(screened), []
     for i, rest in enumerate(without):
@@ -256,11 +255,8 @@ def _justified(stack: Stack, row: _Row, now: Array) -> bool:
 
 
 def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, deviation: float) -> bool:
-    """Whether a candidate explains as much and returns compensating bodies to their nominal values.
-
-    Args:
-        deviation: their deviation from the model's values without it.
-    """
+    """Whether a candidate explains as much and returns compensating bodies, with their `deviation`
+    from the model's values without it, to their nominal values."""
     if not nearer(0.0, deviation) or not as_much(stack, row.left, now):
         return False
     return nearer(stack.deviation(np.concatenate([known, row.candidate.at])), deviation)

@@ -31,29 +31,25 @@ from frictionjoint.report.robot_report import (
     mean_percent,
     notes_of,
 )
-from frictionjoint.robot.causes.cause import composed
+from frictionjoint.report.units_report import UnitsReport
+from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.corrections import write_corrections
 from frictionjoint.robot.exchanged import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
 from frictionjoint.robot.explain import Corrected, Explained, Fitted, State, Task, explain_joint
-from frictionjoint.robot.found import Found
-from frictionjoint.robot.information import information
+from frictionjoint.robot.information import information, undetermined
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import Place, RobotLogs, by_place
-from frictionjoint.robot.shared import Shared, shared_causes
-from frictionjoint.robot.undetermined import undetermined
-from frictionjoint.robot.workers import Each, processes, workers
+from frictionjoint.robot.settle import Settled
+from frictionjoint.robot.shared import shared_causes
+from frictionjoint.robot.workers import processes, workers
 from frictionjoint.threads import one_thread
 
 
 @dataclass(frozen=True)
 class Options:
-    """How logs are analysed, see `commands.close_loop`.
-
-    Attributes:
-        scheduler: address of a Dask scheduler whose workers analyse the joints of a robot instead
-            of `jobs` processes.
-    """
+    """How logs are analysed, see `commands.close_loop`; a Dask scheduler at an address analyses the
+    joints of a robot with its workers, in place of `jobs` processes."""
 
     seed: int = 0
     progress: Callable[[str], None] = lambda text: None
@@ -70,22 +66,13 @@ class Options:
 
 
 def close_loop_logs(
-    logs: RobotLogs, model: str | Path | Mapping[str, str | Path], options: Options
-) -> Report | RobotReport:
-    """The report of one joint that was named alone, or of a robot.
-
-    Raises:
-        FrictionJointError: bad logs or model, in one line.
-    """
-    return (
-        _one_joint(logs, model, options) if logs.alone else close_loop_robot(logs, model, options)
-    )
-
-
-def _one_joint(
     logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
-) -> Report:
-    """One joint has no causes to share; its logs may have different loads."""
+) -> Report | RobotReport:
+    """The report of one joint that was named alone, or of a robot; FrictionJointError for bad logs
+    or model, in one line."""
+    if not logs.alone:
+        return close_loop_robot(logs, model, how)
+    # one joint has no causes to share; its logs may have different loads
     (joint,) = logs.joints
     bodies = Bodies(model, joint, how.fixed)
     known = controller_of(how.controller, joint, bodies.models)
@@ -97,11 +84,8 @@ def _one_joint(
 def close_loop_robot(
     logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
 ) -> RobotReport:
-    """Fit every joint, find shared causes, then the missing effects of each joint, and report.
-
-    Raises:
-        FrictionJointError: bad logs or model, in one line.
-    """
+    """Fit every joint, find shared causes, then the missing effects of each joint, and report;
+    FrictionJointError for bad logs or model, in one line."""
     assert not isinstance(model, Mapping)
     begin = time.perf_counter()
     model, carried = before_friction(model, logs.joints)
@@ -126,17 +110,23 @@ def close_loop_robot(
             raise LogError(next(iter(failed.values())))
         require_own_columns(tasks, fitted)
         shared = shared_causes(list(fitted.values()), logs.moving, each, how.seed, how.progress)
-        corrected = _state(model, shared.settled.found)
-        ready = [_with_causes(tasks[n], x, shared, corrected) for n, x in fitted.items()]
-        outcomes = _side_by_side(ready, each, how.progress)
+        corrected = user
+        if shared.found.causes:
+            spec = read_spec(model)
+            write_corrections(spec, shared.found.state)
+            corrected = State(model_text(spec, model), shared.found.state.shafts)
+        ready = [Corrected(tasks[n], x, shared, corrected) for n, x in fitted.items()]
+        outcomes, explained = {}, iter(each(explain_joint, ready))
+        for i, name in enumerate(fitted):
+            how.progress(f"joint {i + 1} of {len(fitted)}: {name}")
+            outcomes[name] = next(explained)
     done = {n: x for n, x in outcomes.items() if not isinstance(x, str)}
     failed |= {n: x for n, x in outcomes.items() if isinstance(x, str)}
     if not done:
         raise LogError(next(iter(failed.values())))
     how.progress("choosing what to record next")
-    settled = shared.settled.joints
-    known = information(settled, logs.moving)
-    excitation = next_trajectory(settled, logs.moving, known, how.seed)
+    known = information(shared.joints, logs.moving)
+    excitation = next_trajectory(shared.joints, logs.moving, known, how.seed)
     how.progress("simulating all joints together")
     poses = next(iter(fitted.values())).alongs[0].body.named_poses
     spec = read_spec(corrected.mjcf)
@@ -174,41 +164,6 @@ def _first(task: Task) -> FittedJoint | str:
         return str(error)
 
 
-def _with_causes(task: Task, first: FittedJoint, shared: Shared, model: State) -> Corrected:
-    """A task with the corrected model, and with the corrections without each cause."""
-    found = shared.settled.found
-    without = {
-        i: found.without(i).state
-        for i, choice in enumerate(shared.choices)
-        if task.joint in choice.candidate.joints
-    }
-    return Corrected(task, model, found.original, found.state, without, first.fit.shape)
-
-
-def _state(model: str | Path, found: Found) -> State:
-    """The user's model with causes added."""
-    if not found.causes:
-        return State(model)
-    spec = read_spec(model)
-    write_corrections(spec, found.state)
-    return State(model_text(spec, model), found.state.shafts)
-
-
-def _side_by_side(
-    joints: list[Corrected],
-    each: Each[Corrected, Explained | str],
-    progress: Callable[[str], None],
-) -> dict[str, Explained | str]:
-    """The outcome of each joint by its name."""
-    names = [joint.task.joint for joint in joints]
-    found = {}
-    explained = iter(each(explain_joint, joints))
-    for i, name in enumerate(names):
-        progress(f"joint {i + 1} of {len(names)}: {name}")
-        found[name] = next(explained)
-    return found
-
-
 def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list[float]]) -> Rms:
     """Replay of all joints together, on fitted and held-out logs; none without a torque."""
     if any(x.fit.in_drive_units or x.prepared.commanded for x in joints.values()):
@@ -227,13 +182,13 @@ def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list
     return Rms(rms({n: x.prepared for n, x in joints.items()}), rms(kept_back))
 
 
-def _stated(shared: Shared, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
-    found = shared.settled.found
+def _stated(shared: Settled, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
+    found = shared.found
     causes = tuple(
         SharedCause(
             cause=found.causes[i].name,
             place=found.causes[i].place,
-            parameters=_estimates(found, i, shared.settled.covariance[i]),
+            parameters=_estimates(found, i, shared.covariance[i]),
             evidence=choice.evidence,
             joints={n: (x.without[i], x.with_all) for n, x in done.items() if i in x.without},
         )
@@ -267,8 +222,7 @@ def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:
 def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:
     """A cause's values with their standard errors, to first order."""
     cause, x = found.causes[i], found.numbers[i]
-    others = found.without(i)
-    state = composed(others.causes, others.numbers, found.original)
+    state = found.without(i).state
     values = cause.values(state, x)
 
     def at(x: Array) -> Array:
@@ -289,3 +243,24 @@ def _error(slope: Array, cov: Array) -> float | None:
     at = np.flatnonzero(slope)
     variance = float(slope[at] @ cov[np.ix_(at, at)] @ slope[at])
     return float(np.sqrt(max(0.0, variance))) if np.isfinite(variance) else None
+
+
+def close_loop_units(
+    units: Mapping[str, RobotLogs], model: str | Path | Mapping[str, str | Path], how: Options
+) -> UnitsReport:
+    """`close_loop_robot` for the logs of each unit; a unit without a result does not stop the
+    others. LogError if none has a result."""
+    found: dict[str, RobotReport] = {}
+    failed: dict[str, str] = {}
+    for name, logs in units.items():
+
+        def say(text: str, unit: str = name) -> None:
+            how.progress(f"{unit}: {text}")
+
+        try:
+            found[name] = close_loop_robot(logs, model, replace(how, progress=say))
+        except FrictionJointError as error:
+            failed[name] = str(error)
+    if not found:
+        raise LogError(next(iter(failed.values())))
+    return UnitsReport(found, failed)

@@ -1,13 +1,22 @@
-"""Columns of a joint's law and of its own effects, and their Gram matrices."""
+"""Columns of a joint's law and of effects, its own or those of all joints; their Gram matrices.
 
-from collections.abc import Callable
+Effects common to all joints have one cause: a temperature, a supply. In each joint such an effect
+has the same coefficients relative to that joint's friction level and viscosity, so a change too
+small to detect in one joint can be detected in all together.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.library import effects
+from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.diagnose.library import effects, testable
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.basis import lengths, orthonormal
+from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import effect_label
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.joint import FittedJoint
@@ -15,11 +24,8 @@ from frictionjoint.robot.stack import Columns, JointGram, joint_gram
 
 
 def own_effects(joint: FittedJoint, clock: Clock, own: Callable[[str], bool]) -> dict[str, Array]:
-    """Columns of each of the joint's own effects that explains some of its residual, by name.
-
-    Args:
-        own: whether an effect is wanted, by its label.
-    """
+    """Columns of each of the joint's own effects that explains some of its residual, by name; those
+    whose label is not wanted (`own`) are left out."""
     wanted = {e.name for e in CATALOGUE if own(effect_label(e.name, joint.name))}
     if not wanted:
         return {}
@@ -50,11 +56,8 @@ def law_columns(joint: FittedJoint) -> Array:
 
 
 def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> JointGram:
-    """Gram matrices of a joint's columns, in units of its residual.
-
-    Args:
-        columns: shape (n, c). at: their indices in the stack.
-    """
+    """Gram matrices of a joint's columns, shape (n, c), in units of its residual; `at` are their
+    indices in the stack."""
     fitted = joint.fit
     unit = (fitted.weight / joint.left)[:, None]
     grams = joint_gram(
@@ -68,3 +71,57 @@ def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> Jo
     squares: Array = joint.unreached / joint.left**2
     beyond = np.bincount(clock.of_sample(joint), squares, clock.count).astype(float)
     return JointGram(joint.name, len(fitted.residual), grams, at, joint.left, friction, beyond)
+
+
+@dataclass(frozen=True)
+class Common:
+    """One effect of all joints: coefficients relative to each joint's own friction level or
+    viscosity, with their covariance."""
+
+    term: EffectTerm
+    joints: tuple[str, ...]
+    coefficients: Array
+    covariance: Array
+
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """Coefficients with their standard errors, and the shape numbers."""
+        effect, errors = self.term.effect, np.sqrt(np.diag(self.covariance))
+        found = {
+            name: Estimate(float(x), float(s) if np.isfinite(s) else None, "1")
+            for name, x, s in zip(effect.coefficients, self.coefficients, errors, strict=True)
+        }
+        shape = zip(effect.shape, self.term.shape, effect.shape_units, strict=True)
+        return found | {name: Estimate(x, None, unit) for name, x, unit in shape}
+
+
+def common_terms(joints: Sequence[FittedJoint]) -> list[EffectTerm]:
+    """Effects on the grid that the logs of all joints can test."""
+    if len(joints) < 2:
+        return []
+    signals = [np.concatenate(signals_of(j.prepared, j.fit)) for j in joints]
+    found = []
+    # one cause for all joints: heat, or the scale of their torques
+    for effect in (e for e in CATALOGUE if e.slow or e.scales):
+        if not all(testable(j.prepared, effect, x) for j, x in zip(joints, signals, strict=True)):
+            continue
+        first, *others = (effect.shapes(x) for x in signals)
+        # grids of two joints differ a little, because each joint's logs begin and end with its own
+        # motion
+        found += [
+            EffectTerm(effect, shape)
+            for shape in first
+            if all(any(np.allclose(shape, s, rtol=0.1) for s in grid) for grid in others)
+        ]
+    return found
+
+
+def common_columns(joint: FittedJoint, terms: Sequence[EffectTerm]) -> list[Array]:
+    """Columns of each term per unit of its relative coefficients, each (n, k)."""
+    signals = signals_of(joint.prepared, joint.fit)
+    level, viscous = joint.levels
+    own = {"T": level, "T s/x": viscous, "1": 1.0}
+    return [
+        columns_of(joint.prepared, signals, t) * [own[unit] for unit in t.effect.units]
+        for t in terms
+    ]

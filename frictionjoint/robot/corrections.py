@@ -1,12 +1,19 @@
-"""Corrections of a robot's rigid-body model, and the corrected model."""
+"""Corrections of a robot's rigid-body model, the corrected model, and the body around its joints.
 
+The mean Coulomb friction of a shaft is a tendon's `frictionloss` there, which every `RigidBody`
+knows; `CorrectedBody` adds how it changes along the shaft's turn.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.rigid_body import TURNS
+from frictionjoint.identify.held import Pose
+from frictionjoint.identify.rigid_body import TURNS, RigidBody, RigidBodyTorque, direction
 from frictionjoint.robot.inertia import of_model, write
 from frictionjoint.simulate.shaft_wave import ShaftWave, add_wave
 
@@ -64,7 +71,6 @@ class Shaft:
         return np.asarray(self.sin * np.sin(angle) + self.cos * np.cos(angle))
 
     def per_turn(self, joint: str) -> float:
-        """Turns of the shaft per turn of a joint."""
         return dict(zip(self.joints, (1.0, self.ratio), strict=True)).get(joint, 0.0)
 
 
@@ -120,13 +126,8 @@ class Corrections:
 
 
 def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
-    """Put corrections into a spec of the same model.
-
-    Args:
-        spec: must compile; changed in place.
-    Raises:
-        ModelError: the corrected parameters belong to no physically possible body.
-    """
+    """Put corrections into a spec of the same model, which must compile; ModelError if the
+    corrected parameters belong to no physically possible body."""
     model = spec.compile()
     before = of_model(model)
     # MJCF has six digits: what differs by less is the same body
@@ -166,3 +167,41 @@ def _keep_inertias(spec: mujoco.MjSpec, model: mujoco.MjModel, phi: Array) -> No
     for body in spec.bodies:
         if body.id > 0 and model.body_mass[body.id] > 0.0:
             write(body, phi[body.id])
+
+
+class CorrectedBody(RigidBody):
+    """A `RigidBody` of a corrected MJCF, in which some tendons represent `shafts`."""
+
+    def __init__(
+        self,
+        mjcf: str | Path,
+        joint: str,
+        fixed: Mapping[str, Pose] | None = None,
+        shafts: Sequence[Shaft] = (),
+    ) -> None:
+        super().__init__(mjcf, joint, fixed)
+        self.shafts = tuple(shafts)
+
+    def torque(
+        self,
+        position: Array,
+        velocity: Array,
+        acceleration: Array,
+        others: Mapping[str, tuple[Array, Array, Array]] | None = None,
+    ) -> RigidBodyTorque:
+        """Inverse dynamics along a motion, with what the shafts add to the load."""
+        found = super().torque(position, velocity, acceleration, others)
+        moves = {name: (q, v) for name, (q, v, _) in (others or {}).items()}
+        moves[self.joint] = position, velocity
+        still = np.zeros_like(position), np.zeros_like(velocity)
+        load = found.load
+        unknown = np.zeros_like(velocity) if found.unknown is None else found.unknown
+        for shaft in self.shafts:
+            per_turn = shaft.per_turn(self.joint)
+            if per_turn and shaft.waves:
+                one, other = (moves.get(name, still) for name in shaft.joints)
+                turn, speed = (a + shaft.ratio * b for a, b in zip(one, other, strict=True))
+                level = per_turn * shaft.wave(turn)
+                load = load + level * direction(speed)
+                unknown = unknown + np.abs(level) * (1.0 - np.abs(direction(speed)))
+        return replace(found, load=load, unknown=unknown if unknown.any() else None)

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from frictionjoint.arrays import Array, Index
+from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import pseudo_inverse
-from frictionjoint.robot.causes.cause import Cause, composed
+from frictionjoint.robot.causes.cause import Cause, Found, composed
 from frictionjoint.robot.clock import Clock
-from frictionjoint.robot.columns import gram_of, own_effects
-from frictionjoint.robot.common import common_columns
+from frictionjoint.robot.columns import common_columns, gram_of, own_effects
 from frictionjoint.robot.corrections import Corrections
-from frictionjoint.robot.found import Found
+from frictionjoint.robot.inertia import TEN
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import roots
 
@@ -40,190 +40,158 @@ def descended(
             which are refitted like the laws.
     """
     here = found.state
-    places = _places(found)
+    places = _Places(found)
     if not len(places):
         return found
     factor, target = _squares(joints, blocks, here, places, own)
-    at = _read(here, places)
     prior = np.concatenate([c.prior for c in found.causes]) / np.sqrt(blocks.alike)
-    ends = np.cumsum([len(n) for n in found.numbers])[:-1]
     steepest = np.linalg.norm(factor @ _moves(found.original, found.causes, found.numbers, places))
     # a number without presumption that moves no torque would wander off: it stays at nothing
-    pull = np.hypot(1.0 / prior, _FLAT * steepest)
-
-    def left(x: Array) -> Array:
-        parts = tuple(np.split(x, ends))
-        moved = _read(composed(found.causes, parts, found.original), places) - at
-        return np.concatenate([factor @ moved - target, x * pull])
-
-    def slopes(x: Array) -> Array:
-        moves = _moves(found.original, found.causes, np.split(x, ends), places)
-        return np.concatenate([factor @ moves, np.diag(pull)])
-
-    bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in found.causes]).T
-    starts = _starts(found, left, bounds, places, factor, pull)
-    least = _least(left, slopes, starts, bounds)
-    return replace(found, numbers=tuple(np.split(least, ends)))
+    pull = np.diag(np.hypot(1.0 / prior, _FLAT * steepest))
+    at, left = _read(here, places), np.concatenate([-target, np.zeros(len(pull))])
+    problem = _Problem(found.causes, found.original, places, at, left, factor, pull)
+    least = problem.least(_starts(found, problem))
+    return replace(found, numbers=tuple(problem.split(least)))
 
 
-def _least(
-    left: Callable[[Array], Array],
-    slopes: Callable[[Array], Array],
-    starts: Sequence[Array],
-    bounds: Array,
-) -> Array:
-    """The numbers with the smallest residual, from several starts."""
-    how: dict[str, Any] = {"bounds": tuple(bounds), "x_scale": "jac", "max_nfev": 60}
-    tried = [least_squares(left, np.clip(x, *bounds), slopes, **how) for x in starts]
-    return np.asarray(min(tried, key=lambda one: float(one.cost)).x)
+@dataclass(frozen=True)
+class _Problem:
+    """Residual of the joints and pull to the model's values, by the numbers of some causes.
+
+    Attributes:
+        before: corrections without the causes.
+        at, here: coordinates of corrections, and the residual there.
+        factor, pull: derivatives of the residual by coordinates, and next to that by the numbers.
+    """
+
+    causes: tuple[Cause, ...]
+    before: Corrections
+    places: "_Places"
+    at: Array
+    here: Array
+    factor: Array
+    pull: Array
+
+    @property
+    def bounds(self) -> Array:
+        """Lowest and highest numbers, shape (2, k)."""
+        return np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in self.causes]).T
+
+    def split(self, x: NDArray[Any]) -> list[NDArray[Any]]:
+        """What belongs to each cause."""
+        return np.split(x, np.cumsum([len(c.start) for c in self.causes])[:-1])
+
+    def left(self, x: Array) -> Array:
+        """Residual."""
+        moved = _read(composed(self.causes, self.split(x), self.before), self.places) - self.at
+        return np.asarray(self.here + np.concatenate([self.factor @ moved, self.pull @ x]))
+
+    def slopes(self, x: Array) -> Array:
+        """Its derivative."""
+        moves = _moves(self.before, self.causes, self.split(x), self.places)
+        return np.concatenate([self.factor @ moves, self.pull])
+
+    def least(self, starts: Sequence[Array]) -> Array:
+        """The numbers with the smallest residual, from several starts."""
+        bounds = self.bounds
+        how: dict[str, Any] = {"bounds": tuple(bounds), "x_scale": "jac", "max_nfev": 60}
+        tried = [least_squares(self.left, np.clip(x, *bounds), self.slopes, **how) for x in starts]
+        return np.asarray(min(tried, key=lambda one: float(one.cost)).x)
 
 
-def _starts(
-    found: Found,
-    left: Callable[[Array], Array],
-    bounds: Array,
-    places: "_Places",
-    factor: Array,
-    pull: Array,
-) -> list[Array]:
+def _starts(found: Found, whole: _Problem) -> list[Array]:
     """Starting numbers: the given ones or those without a cause, whichever have the smaller
     residual.
 
     At zero the columns of a homogeneous cause are not informative. Then the best point along its
     rays is tried as well.
-
-    Args:
-        left: residual of all numbers, in which changes of `places` count by `factor` and the
-            numbers by `pull`.
     """
     given = np.concatenate(found.numbers)
     nothing = np.concatenate(
         [n if c.homogeneous else c.start for c, n in zip(found.causes, found.numbers, strict=True)]
     )
-    start = min((given, nothing), key=lambda x: float(np.sum(left(x) ** 2)))
-    ends = np.cumsum([0, *(len(n) for n in found.numbers)])
-    parts = tuple(np.split(start, ends[1:-1]))
-    starts, here = [start], left(start)
+    start = min((given, nothing), key=lambda x: float(np.sum(whole.left(x) ** 2)))
+    parts = whole.split(start)
+    columns = whole.split(np.arange(len(start)))
+    starts, here = [start], whole.left(start)
     for i, (cause, x) in enumerate(zip(found.causes, found.numbers, strict=True)):
         if cause.homogeneous and not np.any(x):
-            at = slice(int(ends[i]), int(ends[i + 1]))
             before = composed(found.causes[:i], parts[:i], found.original)
-            own = np.eye(len(start))[:, at] * pull[at]
-            ways = _Ways(cause, before, here, places, factor, own)
+            at = _read(cause.applied(before, x), whole.places)
+            pull = whole.pull[:, columns[i]]
+            ways = _Problem((cause,), before, whole.places, at, here, whole.factor, pull)
             first = np.linalg.lstsq(ways.slopes(x), -here, rcond=_FLAT)[0]
             rays = cause.rays(np.asarray(first))
             if rays:
                 further = start.copy()
-                further[at] += _least(ways.left, ways.slopes, rays, bounds[:, at])
+                further[columns[i]] += ways.least(rays)
                 starts.append(further)
     return starts
 
 
-@dataclass(frozen=True)
-class _Ways:
-    """Numbers of one cause, with all others as they are.
-
-    Attributes:
-        before: corrections by the causes before it. here: the residual without it.
-        own: derivative of the residual by its numbers next to that through `places`.
-    """
-
-    cause: Cause
-    before: Corrections
-    here: Array
-    places: "_Places"
-    factor: Array
-    own: Array
-
-    def left(self, y: Array) -> Array:
-        """Residual."""
-        nothing, some = (
-            _read(self.cause.applied(self.before, x), self.places) for x in (np.zeros(len(y)), y)
-        )
-        moved = self.factor @ (some - nothing)
-        return np.asarray(self.here + np.concatenate([moved, self.own @ y]))
-
-    def slopes(self, y: Array) -> Array:
-        """Its derivative."""
-        moves = _moves(self.before, (self.cause,), (y,), self.places)
-        return np.concatenate([self.factor @ moves, self.own])
+# a coordinate of the corrections: kind, body or joint or shaft, and which of its numbers
+_Place = tuple[str, int | str, int]
 
 
-@dataclass(frozen=True)
-class _Place:
-    """A coordinate of the corrections: kind, body or joint or shaft, and which of its numbers."""
-
-    kind: str
-    which: int | str
-    number: int = 0
-
-    def of(self, state: Corrections) -> float:
-        """Value of the coordinate, no body's."""
-        if self.kind == "gravity":
-            return float(state.gravity[self.number])
-        if self.kind == "shaft":
-            # the shafts of later causes are not there yet
-            there = int(self.which) < len(state.shafts)
-            return float(state.shafts[int(self.which)].numbers[self.number]) if there else 0.0
-        values: dict[str, float] = getattr(state, self.kind)
-        return values.get(str(self.which), 0.0)
-
-    def moved(self, state: Corrections, by: float) -> Corrections:
-        """The corrections with the coordinate changed."""
-        if self.kind == "phi":
-            phi = state.phi[int(self.which)].copy()
-            phi[self.number] += by
-            return state.with_body(int(self.which), phi)
-        if self.kind == "gravity":
-            return replace(state, gravity=state.gravity + by * np.eye(3)[self.number])
-        if self.kind == "shaft":
-            shafts = list(state.shafts)
-            shafts[int(self.which)] = shafts[int(self.which)].moved(self.number, by)
-            return replace(state, shafts=tuple(shafts))
-        values = getattr(state, self.kind)
-        here = {str(self.which): values.get(str(self.which), 0.0) + by}
-        return replace(state, **{self.kind: values | here})
+def _coordinates(state: Corrections) -> dict[_Place, float]:
+    """Value of each coordinate but those of bodies."""
+    found: dict[_Place, float] = {("gravity", 0, k): x for k, x in enumerate(state.gravity)}
+    found |= {("armature", name, 0): x for name, x in state.armature.items()}
+    found |= {("offset", name, 0): x for name, x in state.offset.items()}
+    for i, shaft in enumerate(state.shafts):
+        found |= {("shaft", i, k): x for k, x in enumerate(shaft.numbers)}
+    return found
 
 
-@dataclass(frozen=True)
+def _moved(state: Corrections, place: _Place, by: float) -> Corrections:
+    """Corrections with a coordinate changed."""
+    kind, which, number = place
+    if kind == "phi":
+        body = int(which)
+        return state.with_body(body, state.phi[body] + by * np.eye(TEN)[number])
+    if kind == "gravity":
+        return replace(state, gravity=state.gravity + by * np.eye(3)[number])
+    if kind == "shaft":
+        shafts = list(state.shafts)
+        shafts[int(which)] = shafts[int(which)].moved(number, by)
+        return replace(state, shafts=tuple(shafts))
+    values = getattr(state, kind)
+    return replace(state, **{kind: values | {which: values.get(which, 0.0) + by}})
+
+
 class _Places:
     """Coordinates that causes change: parameters of bodies, by body and number, then others."""
 
-    bodies: Index
-    numbers: Index
-    others: tuple[_Place, ...]
+    def __init__(self, found: Found) -> None:
+        bodies: dict[tuple[int, int], None] = {}
+        places: dict[_Place, None] = {}
+        for i in range(len(found.causes)):
+            for low, high, _ in found.pairs(i):
+                for b in np.flatnonzero(np.any(low.phi != high.phi, axis=1)):
+                    bodies |= dict.fromkeys((int(b), k) for k in range(TEN))
+                if np.any(low.gravity != high.gravity):  # one that a small turn hardly changes, too
+                    places |= dict.fromkeys(("gravity", 0, k) for k in range(3))
+                before, after = _coordinates(low), _coordinates(high)
+                places |= dict.fromkeys(p for p in after if before.get(p) != after[p])
+        self.bodies, self.numbers = (
+            np.array([key[k] for key in bodies], dtype=np.int64) for k in (0, 1)
+        )
+        self.others = tuple(places)
 
     def __len__(self) -> int:
         return len(self.bodies) + len(self.others)
 
     def __iter__(self) -> Iterator[_Place]:
         for b, k in zip(self.bodies.tolist(), self.numbers.tolist(), strict=True):
-            yield _Place("phi", b, k)
+            yield "phi", b, k
         yield from self.others
 
 
-def _places(found: Found) -> _Places:
-    bodies: dict[tuple[int, int], None] = {}
-    places: dict[_Place, None] = {}
-    for i in range(len(found.causes)):
-        for low, high, _ in found.pairs(i):
-            for b in np.flatnonzero(np.any(low.phi != high.phi, axis=1)):
-                bodies |= dict.fromkeys((int(b), k) for k in range(low.phi.shape[1]))
-            if np.any(low.gravity != high.gravity):
-                places |= dict.fromkeys(_Place("gravity", 0, k) for k in range(3))
-            for kind in ("armature", "offset"):
-                one, other = getattr(low, kind), getattr(high, kind)
-                places |= dict.fromkeys(_Place(kind, n) for n in other if one.get(n) != other[n])
-            for k, (one, other) in enumerate(zip(low.shafts, high.shafts, strict=True)):
-                at = np.flatnonzero(one.numbers != other.numbers)
-                places |= dict.fromkeys(_Place("shaft", k, int(n)) for n in at)
-    at, numbers = (np.array([key[k] for key in bodies], dtype=np.int64) for k in (0, 1))
-    return _Places(at, numbers, tuple(places))
-
-
 def _read(state: Corrections, places: _Places) -> Array:
-    bodies = state.phi[places.bodies, places.numbers]
-    return np.concatenate([bodies, [place.of(state) for place in places.others]])
+    found = _coordinates(state) if places.others else {}
+    # the shafts of later causes are not there yet
+    others = [found.get(place, 0.0) for place in places.others]
+    return np.concatenate([state.phi[places.bodies, places.numbers], others])
 
 
 def _moves(
@@ -256,7 +224,7 @@ def _squares(
     Laws, effects of single joints and common effects are projected out.
     """
     h = 1e-3  # of each coordinate, over 1 in SI units
-    pairs = [(p.moved(here, -h), p.moved(here, h), 2.0 * h) for p in places]
+    pairs = [(_moved(here, p, -h), _moved(here, p, h), 2.0 * h) for p in places]
     n, grams = len(places), []
     for joint in joints:
         alike = common_columns(joint, joint.common_effects)

@@ -18,11 +18,8 @@ _MUCH, _TIMES = 0.3, 3.0
 
 
 def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJoint]) -> None:
-    """Check that no two joints are exchanged in the logs.
-
-    Raises:
-        LogError: two joints whose drives the model explains badly fit each other's place.
-    """
+    """Check that no two joints are exchanged in the logs; LogError if two whose drives the model
+    explains badly fit each other's place."""
     left = {name: unexplained_fraction(x.prepared) for name, x in fitted.items()}
     doubtful = [name for name, x in left.items() if x > _MUCH]
     for pair in combinations(doubtful, 2):

@@ -7,8 +7,6 @@ determinant of the resulting information matrix.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Self
 
 import mujoco
 import numpy as np
@@ -17,7 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import Q, V
 from frictionjoint.report.robot_report import Excitation
 from frictionjoint.robot.causes.catalogue import links_of
-from frictionjoint.robot.information import Information, base_parameters, errors, gram_without
+from frictionjoint.robot.information import BaseParameters, Information, errors, gram_without
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor
@@ -30,8 +28,8 @@ def next_trajectory(
 ) -> Excitation | None:
     """The best of many trajectories; None if none is free of contact within the limits."""
     rng = np.random.default_rng(seed)
-    robot = _Robot.of(joints)
-    at = list(base_parameters(known).base)
+    robot = _Robot(joints)
+    at = BaseParameters(known).base
     before = errors(known, at)
     best: tuple[float, Array, Array, Array] | None = None
     time = np.linspace(0.0, _SECONDS, 400)
@@ -43,10 +41,9 @@ def next_trajectory(
         scale = robot.scale_within(series, middle, time)
         if scale is None:
             continue
-        further = _gram(robot, moving, known, robot.motion(scale * series, middle, time))
+        further = robot.gram(moving, known, *robot.motion(scale * series, middle, time))
         after = Information(known.parameters, known.gram + further)
-        inner = after.gram[np.ix_(at, at)]
-        worth = float(np.linalg.slogdet(inner)[1])
+        worth = float(np.linalg.slogdet(after.gram[np.ix_(at, at)])[1])
         if best is None or worth > best[0]:
             best = worth, scale * series, middle, errors(after, at) / before
     if best is None:
@@ -60,20 +57,11 @@ def next_trajectory(
     return Excitation(names, slides, fine, q, fall)
 
 
-@dataclass(frozen=True)
 class _Robot:
-    """The joints of a model, and the limits of each, shape (joints,): range, speed, torque."""
+    """The joints of a model: indices of their positions, their degrees of freedom, and limits of
+    range, speed and torque, shape (joints,)."""
 
-    model: mujoco.MjModel
-    joints: Sequence[FittedJoint]
-    low: Array
-    high: Array
-    speed: Array
-    torque: Array
-
-    @classmethod
-    def of(cls, joints: Sequence[FittedJoint]) -> Self:
-        """Joints with limits from their logs and their model."""
+    def __init__(self, joints: Sequence[FittedJoint]) -> None:
         model = joints[0].alongs[0].model
         rows = []
         for joint in joints:
@@ -92,11 +80,15 @@ class _Robot:
             if model.jnt_actfrclimited[j]:
                 torque = 0.9 * float(np.abs(model.jnt_actfrcrange[j]).min())
             rows.append((low, high, 1.25 * float(np.abs(signals[:, V]).max()), torque))
-        return cls(model, joints, *np.array(rows).T)
+        named = [model.joint(joint.name) for joint in joints]
+        self.model, self.joints = model, joints
+        self.at = [int(j.qposadr[0]) for j in named]
+        self.dofs = [int(j.dofadr[0]) for j in named]
+        self.low, self.high, self.speed, self.torque = np.array(rows).T
 
     def centre(self, middle: Array) -> Array:
         """Position about which each joint moves."""
-        return self.low + middle * (self.high - self.low)
+        return np.asarray(self.low + middle * (self.high - self.low))
 
     def motion(self, series: Array, middle: Array, time: Array) -> tuple[Array, Array, Array]:
         """Positions, velocities and accelerations, shape (n, joints) each."""
@@ -136,8 +128,7 @@ class _Robot:
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         before = data.ncon
-        at = [int(model.joint(j.name).qposadr[0]) for j in self.joints]
-        dofs = [int(model.joint(j.name).dofadr[0]) for j in self.joints]
+        at, dofs = self.at, self.dofs
         peak, touches = np.zeros(len(dofs)), False
         for k in range(0, len(q), 4):
             data.qpos[at], data.qvel[dofs], data.qacc[dofs] = q[k], v[k], a[k]
@@ -151,32 +142,25 @@ class _Robot:
         model.opt.disableflags = flags
         return np.asarray(peak > self.torque), touches
 
-
-def _gram(
-    robot: _Robot,
-    moving: Sequence[str],
-    known: Information,
-    motion: tuple[Array, Array, Array],
-) -> Array:
-    """Information that a trajectory would add, sampled as the logs are."""
-    model, joints = robot.model, robot.joints
-    q, v, a = motion
-    qs = np.tile(model.qpos0, (len(q), 1))
-    vs, accelerations = (np.zeros((len(q), model.nv)) for _ in range(2))
-    dofs = [int(model.joint(j.name).dofadr[0]) for j in joints]
-    qs[:, [int(model.joint(j.name).qposadr[0]) for j in joints]] = q
-    vs[:, dofs], accelerations[:, dofs] = v, a
-    regressor = Regressor(Tree(model), Trajectory(qs, vs, accelerations))
-    bodies = links_of(model, [j.name for j in joints], moving)
-    sizes = np.array([p.size for p in known.parameters])
-    G = np.zeros_like(known.gram)
-    for i, (joint, dof) in enumerate(zip(joints, dofs, strict=True)):
-        rotors = np.zeros((len(q), len(joints)))
-        rotors[:, i] = a[:, i]
-        X = np.column_stack([*(regressor.body(b, dof) for b in bodies), rotors])
-        top = float(np.abs(v[:, i]).max()) or 1.0
-        friction = np.column_stack([np.tanh(v[:, i] / (0.02 * top)), v[:, i], np.ones(len(q))])
-        segment = joint.prepared.segments[0]
-        samples = _SECONDS / (segment.dt * segment.step) / len(q)
-        G += samples * gram_without(X * sizes / joint.left, friction)
-    return G
+    def gram(
+        self, moving: Sequence[str], known: Information, q: Array, v: Array, a: Array
+    ) -> Array:
+        """Information that a motion would add, sampled as the logs are."""
+        model, n = self.model, len(q)
+        qs = np.tile(model.qpos0, (n, 1))
+        vs, accelerations = (np.zeros((n, model.nv)) for _ in range(2))
+        qs[:, self.at], vs[:, self.dofs], accelerations[:, self.dofs] = q, v, a
+        regressor = Regressor(Tree(model), Trajectory(qs, vs, accelerations))
+        bodies = links_of(model, [j.name for j in self.joints], moving)
+        sizes = np.array([p.size for p in known.parameters])
+        G = np.zeros_like(known.gram)
+        for i, (joint, dof) in enumerate(zip(self.joints, self.dofs, strict=True)):
+            rotors = np.zeros((n, len(self.joints)))
+            rotors[:, i] = a[:, i]
+            X = np.column_stack([*(regressor.body(b, dof) for b in bodies), rotors])
+            top = float(np.abs(v[:, i]).max()) or 1.0
+            friction = np.column_stack([np.tanh(v[:, i] / (0.02 * top)), v[:, i], np.ones(n)])
+            segment = joint.prepared.segments[0]
+            samples = _SECONDS / (segment.dt * segment.step) / n
+            G += samples * gram_without(X * sizes / joint.left, friction)
+        return G

@@ -28,11 +28,11 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import replay, replay_rms
 from frictionjoint.replay.loops import LoopErrors, Loops
 from frictionjoint.report.entries import Interval
-from frictionjoint.report.joint_report import Report
 from frictionjoint.robot.along import Along
-from frictionjoint.robot.body import CorrectedBody
-from frictionjoint.robot.corrections import Corrections, Shaft
+from frictionjoint.robot.corrections import CorrectedBody, Corrections, Shaft
+from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.paired import error_increase, replay_increase
+from frictionjoint.robot.settle import Settled
 from frictionjoint.robot.torsion import torsion
 
 Model = str | Path
@@ -46,18 +46,13 @@ class State:
     shafts: tuple[Shaft, ...] = ()
 
     def body(self, joint: str, fixed: Mapping[str, Pose] | None) -> RigidBody:
-        """The rigid body around a joint."""
         return CorrectedBody(self.mjcf, joint, fixed, self.shafts)
 
 
 @dataclass(frozen=True)
 class Task:
-    """One joint, its logs and how they are analysed.
-
-    Attributes:
-        user: the user's model. controller: for logs without a torque.
-        refine, ends: see `diagnose.close_loop`.
-    """
+    """One joint, its logs and how they are analysed with the user's model; the controller is for
+    logs without a torque, refine and ends are those of `diagnose.close_loop`."""
 
     joint: str
     logs: list[JointLog]
@@ -71,7 +66,6 @@ class Task:
     ends: bool = False
 
 
-@dataclass(frozen=True)
 class Corrected:
     """Input of a process that analyses one joint: its task, and the shared causes.
 
@@ -82,12 +76,15 @@ class Corrected:
         shape: of the law fitted with the user's model.
     """
 
-    task: Task
-    model: State
-    original: Corrections
-    corrections: Corrections
-    without: Mapping[int, Corrections]
-    shape: Shape
+    def __init__(self, task: Task, first: FittedJoint, shared: Settled, model: State) -> None:
+        found = shared.found
+        self.task, self.model, self.shape = task, model, first.fit.shape
+        self.original, self.corrections = found.original, found.state
+        self.without = {
+            i: found.without(i).state
+            for i, choice in enumerate(shared.choices)
+            if task.joint in choice.candidate.joints
+        }
 
 
 @dataclass(frozen=True)
@@ -99,7 +96,6 @@ class Fitted:
     fit: Fit
 
 
-@dataclass(frozen=True)
 class Explained:
     """Result of one joint.
 
@@ -109,12 +105,50 @@ class Explained:
         without: torque errors of the law without each shared cause; with_all: with all of them.
     """
 
-    report: Report
-    before: Fitted
-    after: Fitted
-    simulated: Fit
-    without: dict[int, Rms]
-    with_all: Rms
+    def __init__(self, joint: Corrected) -> None:
+        task = joint.task
+        body = joint.model.body(task.joint, task.fixed)
+        found = explain(
+            task.logs,
+            task.held_out,
+            Bodies.one(body),
+            task.seed,
+            law=task.law,
+            controller=task.controller,
+            refine=task.refine,
+            ends=task.ends,
+        )
+        trace, report = found.trace, found.report
+        after = Fitted(trace.prepared, found.kept_back, trace.final)
+        self.without: dict[int, Rms] = {}
+        before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
+        self.with_all = report.before_torque
+        if joint.model != task.user:
+            alongs = _alongs(joint, after)
+            shapes = joint.shape, trace.base.shape
+            before = _law_alone(joint.original, after, alongs, shapes)
+            runs, loops = _replays(before, task)
+            self.without = {
+                i: _torque(_law_alone(state, after, alongs, shapes), trace)
+                for i, state in joint.without.items()
+            }
+            cov = stated_covariance(before.prepared, before.fit)
+            report = replace(
+                report,
+                other_before=True,
+                base=law_estimates(before.fit, cov, body.slide),
+                laws=(law_parameters(before.fit), report.laws[1]),
+                before_torque=_torque(before, trace),
+                before_replay=replay_rms(*runs) if runs else Rms(None, None),
+                closed_loops=(loops, report.closed_loops[1]) if report.closed_loops else None,
+            )
+        increase = {}
+        if report.after_torque.worse_than(report.before_torque):
+            increase["torque_rms"] = _torque_increase(before, after)
+        if report.after_replay.worse_than(report.before_replay):
+            increase["replay_rms"] = _replay_increase(runs, found.runs[1])
+        self.report = replace(report, increase=increase, torsion=torsion(task.logs, trace.prepared))
+        self.before, self.after, self.simulated = before, after, found.simulated
 
 
 def explain_joint(joint: Corrected) -> Explained | str:
@@ -123,57 +157,11 @@ def explain_joint(joint: Corrected) -> Explained | str:
     A numerical failure on one joint's logs does not stop the other joints.
     """
     try:
-        return _explained(joint)
+        return Explained(joint)
     except FrictionJointError as error:
         return str(error)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         return f"{joint.task.joint}: the search broke down ({error}): name it alone with --joint"
-
-
-def _explained(joint: Corrected) -> Explained:
-    task = joint.task
-    body = joint.model.body(task.joint, task.fixed)
-    found = explain(
-        task.logs,
-        task.held_out,
-        Bodies.one(body),
-        task.seed,
-        law=task.law,
-        controller=task.controller,
-        refine=task.refine,
-        ends=task.ends,
-    )
-    trace, report = found.trace, found.report
-    after = Fitted(trace.prepared, found.kept_back, trace.final)
-    without: dict[int, Rms] = {}
-    before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
-    with_all = report.before_torque
-    if joint.model != task.user:
-        alongs = _alongs(joint, after)
-        shapes = joint.shape, trace.base.shape
-        before = _law_alone(joint.original, after, alongs, shapes)
-        runs, loops = _replays(before, task)
-        without = {
-            i: _torque(_law_alone(state, after, alongs, shapes), trace)
-            for i, state in joint.without.items()
-        }
-        cov = stated_covariance(before.prepared, before.fit)
-        report = replace(
-            report,
-            other_before=True,
-            base=law_estimates(before.fit, cov, body.slide),
-            laws=(law_parameters(before.fit), report.laws[1]),
-            before_torque=_torque(before, trace),
-            before_replay=replay_rms(*runs) if runs else Rms(None, None),
-            closed_loops=(loops, report.closed_loops[1]) if report.closed_loops else None,
-        )
-    increase = {}
-    if report.after_torque.worse_than(report.before_torque):
-        increase["torque_rms"] = _torque_increase(before, after)
-    if report.after_replay.worse_than(report.before_replay):
-        increase["replay_rms"] = _replay_increase(runs, found.runs[1])
-    report = replace(report, increase=increase, torsion=torsion(task.logs, trace.prepared))
-    return Explained(report, before, after, found.simulated, without, with_all)
 
 
 def _alongs(joint: Corrected, after: Fitted) -> list[tuple[Along, ...]]:
@@ -187,11 +175,8 @@ def _alongs(joint: Corrected, after: Fitted) -> list[tuple[Along, ...]]:
 def _law_alone(
     state: Corrections, after: Fitted, alongs: list[tuple[Along, ...]], shapes: Iterable[Shape]
 ) -> Fitted:
-    """The law fitted under other corrections, on the same samples with the same weights.
-
-    Args:
-        shapes: from which the fits start.
-    """
+    """The law fitted under other corrections, on the same samples with the same weights, starting
+    from several shapes."""
     segments, kept = (tuple(a.other(state) for a in x) for x in alongs)
     prepared = replace(after.prepared, segments=segments)
     fits = [refit(prepared, (), shape) for shape in shapes]

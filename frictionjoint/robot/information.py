@@ -5,17 +5,21 @@ strong in any units: the mass of a link by its mass, first moments by mass times
 by mass times size squared, a rotor by the inertia about its joint.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import mujoco
 import numpy as np
 from scipy.linalg import qr
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import lengths, pseudo_inverse, without
+from frictionjoint.identify.result import LOOSE, Estimate
 from frictionjoint.model_joints import mass_at_start
+from frictionjoint.parameter_meanings import meaning
+from frictionjoint.report.numbers import status_of
 from frictionjoint.robot.causes.catalogue import body_label, links_of
 from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.inertia import NAMES
@@ -24,11 +28,8 @@ from frictionjoint.robot.joint import FittedJoint
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of the rigid body: one of a link's ten, or a rotor's inertia.
-
-    Attributes:
-        owner: body or joint. name: of the parameter. size: its scale, SI units.
-    """
+    """A parameter of the rigid body: one of the ten of a link, or a rotor's inertia of a joint,
+    which owns it; `size` is its scale, SI units."""
 
     owner: str
     name: str
@@ -37,31 +38,11 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Information:
-    """Information of some logs.
-
-    Attributes:
-        parameters: of all links and rotors. gram: of their scaled columns in units of the fits'
-            residuals, shape (k, k).
-    """
+    """Information of some logs: Gram matrix, shape (k, k), of the scaled columns of the parameters
+    of all links and rotors, in units of the fits' residuals."""
 
     parameters: tuple[Parameter, ...]
     gram: Array = field(repr=False)
-
-
-@dataclass(frozen=True)
-class BaseParameters:
-    """Which parameters the logs determine, alone or in sums.
-
-    Attributes:
-        base: indices of the base parameters. others: indices of those that appear only in sums with
-            them.
-        sums: coefficients, shape (len(base), len(others)). unseen: parameters without any torque.
-    """
-
-    base: tuple[int, ...]
-    others: tuple[int, ...]
-    sums: Array
-    unseen: tuple[int, ...]
 
 
 def parameters_of(
@@ -92,7 +73,6 @@ def _size(model: mujoco.MjModel, body: int) -> float:
 
 
 def information(joints: Sequence[FittedJoint], moving: Sequence[str]) -> Information:
-    """Information of the logs of some joints."""
     model = joints[0].alongs[0].model
     names = [j.name for j in joints]
     parameters = parameters_of(model, names, moving)
@@ -115,35 +95,87 @@ def gram_without(X: Array, known: Array) -> Array:
     return np.asarray(left.T @ left)
 
 
-def base_parameters(found: Information) -> BaseParameters:
-    """Base parameters by a pivoted QR of the regressor (Gautier 1991).
+class BaseParameters:
+    """Which parameters logs determine, alone or in sums, by a pivoted QR (Gautier 1991).
 
     The factor is computed from the Gram matrix, so directions below the square root of rounding do
     not count.
+
+    Attributes:
+        base: indices of the base parameters, shape (b,). others: indices of those that appear only
+            in sums with them, shape (c,). sums: coefficients, shape (b, c).
+        unseen: indices of parameters without any torque.
     """
-    values, vectors = eigh(found.gram)
-    # of the largest singular value: smaller ones are exact columns of what never shows
-    least = 1e-7
-    keep = values > least**2 * values[-1]
-    root = np.sqrt(values[keep])[:, None] * vectors[:, keep].T
-    size = np.linalg.norm(root, axis=0)
-    unseen = np.flatnonzero(size <= least * size.max())
-    seen = np.setdiff1d(np.arange(len(size)), unseen)
-    _, R, order = qr(root[:, seen] / size[seen], mode="economic", pivoting=True)
-    rank = int(np.sum(np.abs(np.diag(R)) > least * np.abs(R[0, 0])))
-    base, others = seen[order[:rank]], seen[order[rank:]]
-    sums = np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
-    sums = sums * size[others] / size[base][:, None]
-    return BaseParameters(
-        tuple(int(k) for k in base),
-        tuple(int(k) for k in others),
-        sums,
-        tuple(int(k) for k in unseen),
-    )
+
+    def __init__(self, found: Information) -> None:
+        values, vectors = eigh(found.gram)
+        # of the largest singular value: smaller ones are exact columns of what never shows
+        least = 1e-7
+        keep = values > least**2 * values[-1]
+        root = np.sqrt(values[keep])[:, None] * vectors[:, keep].T
+        size = np.linalg.norm(root, axis=0)
+        self.unseen = np.flatnonzero(size <= least * size.max())
+        seen = np.setdiff1d(np.arange(len(size)), self.unseen)
+        _, R, order = qr(root[:, seen] / size[seen], mode="economic", pivoting=True)
+        rank = int(np.sum(np.abs(np.diag(R)) > least * np.abs(R[0, 0])))
+        self.base, self.others = seen[order[:rank]], seen[order[rank:]]
+        sums = np.linalg.solve(R[:rank, :rank], R[:rank, rank:])
+        self.sums = sums * size[self.others] / size[self.base][:, None]
 
 
-def errors(found: Information, base: Sequence[int]) -> Array:
+def errors(found: Information, base: Index) -> Array:
     """Relative standard errors of base parameters, for independent samples, shape (b,)."""
-    at = list(base)
     # smaller eigenvalues are rounding
-    return np.asarray(np.sqrt(np.diag(pseudo_inverse(found.gram[np.ix_(at, at)], 1e-15))))
+    return np.asarray(np.sqrt(np.diag(pseudo_inverse(found.gram[np.ix_(base, base)], 1e-15))))
+
+
+def undetermined(
+    found: Information, friction: Mapping[str, Mapping[str, Estimate]]
+) -> tuple[dict[str, Any], ...]:
+    """Rows with ``kind``, ``parameters`` and ``text``; `friction` is the law of each joint."""
+    base = BaseParameters(found)
+    unseen = _by_owner(found, base.unseen, "without effect", "no effect on these torques")
+    # ten correlated samples count as one
+    at = base.base[errors(found, base.base) * np.sqrt(10.0) > LOOSE]
+    text = f"known to no better than {LOOSE:.0%} of the model's own size"
+    rows = [*_sums(found, base), *unseen, *_by_owner(found, at, "loose", text)]
+    for joint, estimates in friction.items():
+        status = {n: status_of(n, estimates) for n in estimates}
+        names = [n for n, x in status.items() if x in ("assumed", "not determined")]
+        if names:
+            assumed = {n: " (assumed)" if status[n] == "assumed" else "" for n in names}
+            words = dict.fromkeys(meaning(n.partition("_")[0]) + assumed[n] for n in names)
+            text = f"friction of {joint}: {', '.join(words)}"
+            place = {"kind": "friction", "joint": joint}
+            rows.append(place | {"parameters": names, "text": text})
+    return tuple(rows)
+
+
+def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
+    """Parameters that appear only in sums, by owner, and the owners of the other terms."""
+    owners: dict[str, tuple[list[str], list[str]]] = {}
+    for k, other in enumerate(base.others):
+        p = found.parameters[other]
+        c = np.abs(base.sums[:, k])
+        # parameters with a noticeable coefficient in the sum
+        parts = [found.parameters[base.base[i]] for i in np.flatnonzero(c > 1e-3 * c.max())]
+        names, partners = owners.setdefault(p.owner, ([], []))
+        names.append(p.name)
+        partners += [x.owner for x in parts]
+    sums = "only in sums"
+    return [
+        _row(sums, owner, names, f"{sums} with parameters of {', '.join(dict.fromkeys(partners))}")
+        for owner, (names, partners) in owners.items()
+    ]
+
+
+def _by_owner(found: Information, at: Iterable[int], kind: str, text: str) -> list[dict[str, Any]]:
+    owners: dict[str, list[str]] = {}
+    for k in sorted(at):
+        owners.setdefault(found.parameters[k].owner, []).append(found.parameters[k].name)
+    return [_row(kind, owner, names, text) for owner, names in owners.items()]
+
+
+def _row(kind: str, owner: str, names: list[str], text: str) -> dict[str, Any]:
+    row = {"kind": kind, "owner": owner, "parameters": names}
+    return row | {"text": f"{', '.join(names)} of {owner}: {text}"}

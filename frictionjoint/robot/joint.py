@@ -56,7 +56,6 @@ class FittedJoint:
 
     @property
     def name(self) -> str:
-        """Name of the joint."""
         return self.prepared.joint
 
     @property
@@ -65,11 +64,8 @@ class FittedJoint:
         return self.fit.residual if self.shift is None else self.fit.residual - self.shift
 
     def columns(self, pairs: Sequence[tuple[Corrections, Corrections, float]]) -> Array:
-        """Derivative of the torque by numbers, on the kept samples of all logs, shape (n, k).
-
-        Args:
-            pairs: corrections below and above each number's value, and their difference.
-        """
+        """Derivative of the torque by numbers, on the kept samples of all logs, shape (n, k), from
+        corrections below and above each number's value, and their difference."""
         if not pairs:
             return np.zeros((len(self.fit.residual), 0))
         rows = [
@@ -124,11 +120,8 @@ def first_fit(
     fixed: Mapping[str, Pose] | None,
     controller: Controller | None = None,
 ) -> FittedJoint:
-    """The law fitted to a joint's logs with the user's model.
-
-    Raises:
-        LogError: see `prepare` and `gate.check_signs`; no cause of the robot produces a wrong sign.
-    """
+    """The law fitted to a joint's logs with the user's model; LogError: see `prepare` and
+    `gate.check_signs`, for no cause of the robot produces a wrong sign."""
     body = RigidBody(model, joint, fixed)
     prepared = prepare(list(logs), body, controller=controller)
     check_signs(prepared)

@@ -20,11 +20,8 @@ _FREE, _BALL, _SLIDE, _HINGE = (
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Trajectory of all coordinates of a model.
-
-    Attributes:
-        q: shape (n, nq). v, a: velocity and acceleration, shape (n, nv).
-    """
+    """Trajectory of all coordinates of a model: q, shape (n, nq); velocity v and acceleration a,
+    shape (n, nv)."""
 
     q: Array
     v: Array
@@ -61,11 +58,8 @@ class Frame:
 
 @dataclass(frozen=True)
 class Dof:
-    """A degree of freedom along a trajectory.
-
-    Attributes:
-        axis: in the world, shape (3, n). point: on the axis; None: it moves along the axis.
-    """
+    """A degree of freedom along a trajectory: its axis in the world, shape (3, n), and a point on
+    it, None for one that moves along the axis."""
 
     axis: Array
     point: Array | None
@@ -104,11 +98,8 @@ class Tree:
         known: tuple[list[Frame], list[Dof]] = ([], []),
         moved: Sequence[int] = (),
     ) -> tuple[list[Frame], list[Dof]]:
-        """Frames of all bodies, the world first, and all degrees of freedom.
-
-        Args:
-            known: those of a trajectory that differs in the motion of some bodies, `moved`.
-        """
+        """Frames of all bodies, the world first, and all degrees of freedom; of bodies not in
+        `moved` those `known` of a trajectory that differs in the motion of the others."""
         n, model = len(trajectory), self.model
         still = np.zeros((3, n))
         world = Frame(still, np.tile(np.eye(3)[..., None], n), still, still, still)
@@ -165,11 +156,8 @@ def _through(
 def _turning_about(
     frame: Frame, anchor: Array, R: Array, turn: Array, spin: Array
 ) -> tuple[Frame, Array]:
-    """A frame turned about a point fixed in it, and that point.
-
-    Args:
-        R: its orientation. turn, spin: angular velocity relative to `frame`, and its rate.
-    """
+    """A frame turned about a point fixed in it, and that point; R is its orientation, turn and spin
+    its angular velocity relative to `frame`, and the rate of that."""
     o, a = frame.point(anchor)
     w, alpha = frame.w + turn, frame.alpha + spin + cross(frame.w, turn)
     arm = -(anchor @ R)

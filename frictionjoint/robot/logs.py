@@ -67,7 +67,6 @@ class RobotLogs:
 
         Args:
             logs: to fit. kept: to hold out. fraction: of each log to fit, to hold out at its end.
-            model: path or text of the MJCF or URDF.
             joint: name of one joint, whose logs are all needed; names, base first; None: all joints
                 of the model with a logged drive.
             read: reads one log of a joint. columns: see `read_log`.

@@ -14,13 +14,10 @@ from frictionjoint.report.entries import Interval
 
 
 def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) -> Interval:
-    """95% interval of the difference of two rms errors, over blocks of time.
+    """95% interval of the difference of two rms errors on the same samples of logs, shape (n,).
 
-    Blocks span several correlation times of the difference of the squared errors, if the log is
-    long enough.
-
-    Args:
-        before, after: errors on the same samples, shape (n,). log_index: log of each.
+    Blocks of time span several correlation times of the difference of the squared errors, if the
+    log is long enough.
     """
     difference = after**2 - before**2
     sums, counts = [], []
@@ -36,21 +33,15 @@ def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) ->
 
 
 def replay_increase(before: Array, after: Array) -> Interval:
-    """95% interval of the difference of two rms errors of free runs from the same states.
-
-    Args:
-        before, after: mean square error of each run, shape (k,).
-    """
+    """95% interval of the difference of two rms errors of free runs from the same states, from the
+    mean square error of each run, shape (k,)."""
     both = float(np.sqrt(before.mean()) + np.sqrt(after.mean()))
     return _interval(after - before, np.ones(len(after)), both)
 
 
 def _interval(sums: Array, counts: Array, both: float) -> Interval:
-    """Interval of the difference of two rms values, from block sums of the difference of squares.
-
-    Args:
-        both: sum of the two rms values: a^2 - b^2 = (a - b) (a + b).
-    """
+    """Interval of the difference of two rms values, from block sums of the difference of squares
+    and the sum `both` of the two: a^2 - b^2 = (a - b) (a + b)."""
     blocks, n = len(sums), float(counts.sum())
     mean = float(sums.sum()) / n
     if blocks < 2 or not both:

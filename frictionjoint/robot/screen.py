@@ -11,23 +11,18 @@ from frictionjoint.arrays import Array
 from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate, columns_of
-from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.clock import Clock
-from frictionjoint.robot.columns import gram_of, own_effects
-from frictionjoint.robot.common import common_columns
+from frictionjoint.robot.columns import common_columns, gram_of, own_effects
 from frictionjoint.robot.descend import descended
-from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, Stack
 
 
 @dataclass(frozen=True)
 class Screened:
-    """The stack and the meaning of its columns.
-
-    Attributes:
-        accepted: columns of the causes in the model. candidates: columns of possible additions.
-    """
+    """The stack and the meaning of its columns: of `accepted` causes in the model, and of
+    `candidates`."""
 
     stack: Stack
     accepted: tuple[Candidate, ...]

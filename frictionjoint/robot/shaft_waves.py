@@ -13,11 +13,10 @@ from scipy.optimize import minimize_scalar
 from frictionjoint.arrays import Array
 from frictionjoint.identify.basis import lengths, orthonormal
 from frictionjoint.identify.search import FEWEST_WAVES
-from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.causes.gear_coupling import GearCoupling
 from frictionjoint.robot.columns import law_columns
 from frictionjoint.robot.corrections import Shaft
-from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 
 

@@ -5,7 +5,7 @@ causes and laws together, drop redundant ones; until none is accepted.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,12 +15,11 @@ from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
-from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.choose import Choice, choose, idle
-from frictionjoint.robot.common import Common, common_terms
+from frictionjoint.robot.columns import Common, common_terms
 from frictionjoint.robot.compare import nearer
 from frictionjoint.robot.corrections import Corrections
-from frictionjoint.robot.found import Found
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import Settled, settle
@@ -30,73 +29,57 @@ from frictionjoint.robot.ties import restated
 from frictionjoint.robot.workers import Each
 
 
-@dataclass(frozen=True)
-class Shared:
-    """Outcome of the search.
-
-    Attributes:
-        settled: causes with their numbers, and the joints under them. choices: one per cause.
-        common: effects common to all joints, part of each joint's own model, with their evidence.
-    """
-
-    settled: Settled
-    choices: tuple[Choice, ...]
-    common: tuple[tuple[Common, Choice], ...] = ()
-
-
 def shared_causes(
     joints: Sequence[FittedJoint],
     moving: Sequence[str],
     each: Each[FittedJoint, FittedJoint],
     seed: int = 0,
     progress: Callable[[str], None] = lambda text: None,
-) -> Shared:
-    """Run the search.
+) -> Settled:
+    """The causes in the model, with the joints fitted under them.
 
     Joints with a torque scale that their logs do not determine are left out.
 
     Args:
         joints: with their laws fitted with the user's model. moving: joints with logged motion.
-        each: a `map`, perhaps over processes.
-        seed: for sign flips and halves; equal seeds give equal results.
-        progress: called with a description of the current step.
+        each: a `map`, perhaps over processes. seed: for sign flips and halves.
     """
     rng = np.random.default_rng(seed)
     model = joints[0].alongs[0].model
     none = Found(Corrections.none(model))
     known = [j for j in joints if scale_is_determined(j.prepared, j.fit)]
     if not known:
-        return Shared(settle(joints, none, each), ())
+        return settle(joints, none, each)
     names = [j.name for j in known]
     alongs = known[0].alongs
     velocity = {n: np.concatenate([a.motion(n)[1] for a in alongs]) for n in names}
     open_ones = list(catalogue(model, names, moving, velocity))
     whole = list(all_links(model, names, moving))
     alike = common_terms(known)
-    now, refused = _Now(settle(known, none, each), ()), frozenset[Cause]()
+    now, refused = settle(known, none, each), frozenset[Cause]()
     common: tuple[tuple[Common, Choice], ...] = ()
-    simplest: tuple[_Now, frozenset[str]] | None = None
+    simplest: tuple[Settled, frozenset[str]] | None = None
     # sets of effects of single joints that the causes were fitted with
     tried: set[frozenset[str]] = set()
     for turn in range(1, 11):
         progress(f"looking for causes that joints share, round {turn}")
-        here = now.settled.found
+        here = now.found
         possible = [*open_ones, *with_waves(now.joints, here)]
         candidates = [c for c in possible if c not in here.causes and c not in refused]
-        looked = screen(now.joints, now.settled.clock, here, candidates, common=alike)
-        grown: _Now | None = None
+        looked = screen(now.joints, now.clock, here, candidates, common=alike)
+        grown: Settled | None = None
         while grown is None:
             seen = choose(looked, rng, now.joints[0].common_effects)
             new = [c for c in seen if c.candidate.cause is not None]
             labels = frozenset(c.candidate.label for c in seen if not c.candidate.shared)
-            fits = _Fits(each, labels)
+            with_these = replace(now, single_effects=labels)
             common = _common(looked, seen)
             if not new:
                 break
             progress(
                 f"causes that joints share, found: {', '.join(c.candidate.label for c in new)}"
             )
-            grown = fits.grown(now, new)
+            grown = _grown(with_these, new)
             if grown is None:
                 refused |= {c.candidate.cause for c in new[:1] if c.candidate.cause}
                 looked = looked.without(new[0].candidate)
@@ -105,15 +88,16 @@ def shared_causes(
             tried.clear()
             continue
         if simplest is None or simplest[0] is not now or simplest[1] != labels:
-            now, simplified = fits.simplified(now, open_ones, alike)
-            if simplified:
+            fewer = _simplified(with_these, open_ones, alike)
+            if fewer is not None:
+                now = fewer
                 tried.clear()
                 continue
             simplest = now, labels
         terms = tuple(one.term for one, _ in common)
         if terms != now.joints[0].common_effects:
             # what all joints have alike has bent their laws
-            now = fits.without_idle(fits.settled(fits.with_common(now, terms)))
+            now = _without_idle(with_these.with_common(terms).refitted())
             continue
         if whole and not common:
             # no single link is wrong by so much; perhaps each is by a little
@@ -123,9 +107,10 @@ def shared_causes(
         if not here.causes or labels in tried:
             break
         # numbers that were fitted before effects of single joints were seen hold a part of them
-        now = fits.settled(now)
-    choices = restated(now.settled, now.choices, open_ones, labels)
-    return Shared(now.settled.with_covariance(labels), choices, common)
+        now = with_these.refitted()
+    now = replace(now, single_effects=labels)
+    choices = restated(now, open_ones)
+    return replace(now.with_covariance(), choices=choices, common=common)
 
 
 def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Choice], ...]:
@@ -143,131 +128,89 @@ def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Cho
     return tuple(found)
 
 
-@dataclass(frozen=True)
-class _Now:
-    """Causes fitted with the laws and the `single_effects`, and the evidence of each."""
+def _grown(now: Settled, new: Sequence[Choice]) -> Settled | None:
+    """The state with all accepted causes, or only the first; None if neither improves the fit.
 
-    settled: Settled
-    choices: tuple[Choice, ...]
-    single_effects: frozenset[str] = frozenset()
-
-    @property
-    def joints(self) -> tuple[FittedJoint, ...]:
-        return self.settled.joints
-
-    def with_causes(self, found: Found, choices: tuple[Choice, ...]) -> "_Now":
-        """The state with other causes and their evidence, not fitted yet."""
-        return replace(self, settled=replace(self.settled, found=found), choices=choices)
-
-    def without(self, *out: int) -> "_Now":
-        """The state without some causes, by index, not fitted yet."""
-        choices = tuple(c for i, c in enumerate(self.choices) if i not in out)
-        return self.with_causes(self.settled.found.without(*out), choices)
-
-
-@dataclass(frozen=True)
-class _Fits:
-    """Changes of the state, each fitted, by a map `each`, with the `single_effects`."""
-
-    each: Each[FittedJoint, FittedJoint]
-    single_effects: frozenset[str] = frozenset()
-
-    def settled(self, now: _Now) -> _Now:
-        """The state with its causes and laws fitted together."""
-        fitted = settle(now.joints, now.settled.found, self.each, self.single_effects)
-        return _Now(fitted, now.choices, self.single_effects)
-
-    def with_common(self, now: _Now, terms: tuple[EffectTerm, ...]) -> _Now:
-        """The state with the laws fitted together with common effects."""
-        return replace(now, settled=now.settled.with_common(terms, self.each))
-
-    def grown(self, now: _Now, new: Sequence[Choice]) -> _Now | None:
-        """The state with all accepted causes, or only the first; None if neither improves the fit.
-
-        A cause must also be needed after the fit. The causes were accepted to first order; with
-        refitted laws they may not improve the fit.
-        """
-        for several in [new, new[:1]][: len(new)]:
-            trial = self.without_idle(self._with(now, several))
-            parts = {part for choice in several for part, _ in choice.parts}
-            if parts.intersection(trial.settled.found.causes) and self._nearer(trial, now):
+    A cause must also be needed after the fit. The causes were accepted to first order; with
+    refitted laws they may not improve the fit.
+    """
+    for several in [new, new[:1]][: len(new)]:
+        trial = _without_idle(_with(now, several))
+        parts = {part for choice in several for part, _ in choice.parts}
+        if parts.intersection(trial.found.causes):
+            ratios = _left(trial, now)
+            if float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + CLEARLY:
                 return trial
-        return None
-
-    def _with(self, now: _Now, new: Sequence[Choice]) -> _Now:
-        """The state with accepted causes; a richer change of a body or joint replaces a simpler."""
-        terms = tuple(c.candidate.common for c in new if c.candidate.common)
-        if terms:
-            now = self.with_common(now, terms)
-        for choice in (c for c in new if c.candidate.cause):
-            for part, own in choice.parts:
-                causes = now.settled.found.causes
-                now = now.without(*(i for i, c in enumerate(causes) if c.changed == part.changed))
-                found = now.settled.found.with_cause(part, own)
-                now = now.with_causes(found, (*now.choices, choice.of(part)))
-        return self.settled(now)
-
-    def simplified(
-        self, now: _Now, causes: Sequence[Cause], common: Sequence[EffectTerm]
-    ) -> tuple[_Now, bool]:
-        """A cause replaced by one with fewer numbers that explains as much, and whether it was."""
-        proposed = simpler(now.settled, now.choices, causes, common, self.single_effects)
-        for out, several in proposed:
-            trial = self._with(now.without(*out), several)
-            # fewer numbers leave a joint a little more of the data they are fitted to
-            if not self._explains_as_much(trial, now):
-                continue
-            fewer = self.without_idle(trial)
-            if fewer is not trial and not self._explains_as_much(fewer, now):
-                continue
-            if not _deviates_more(fewer, now):
-                return fewer, True
-        return now, False
-
-    def _explains_as_much(self, after: _Now, before: _Now) -> bool:
-        """Whether causes leave the joints not noticeably more."""
-        return float(self._left(after, before).mean()) < 1.0 + CLEARLY
-
-    def _nearer(self, after: _Now, before: _Now) -> bool:
-        """Whether causes improve the fit of the joints, and worsen none noticeably."""
-        ratios = self._left(after, before)
-        return float(ratios.mean()) < 1.0 and float(ratios.max()) < 1.0 + CLEARLY
-
-    def _left(self, after: _Now, before: _Now) -> Array:
-        """Ratio of the sums of squares after and before, with effects of single joints, (J,)."""
-        found = []
-        for now in (after, before):
-            seen = now.settled.screened(self.single_effects)
-            squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
-            found.append(squares * [j.left**2 for j in seen.stack.joints])
-        return np.asarray(found[0] / found[1])
-
-    def without_idle(self, now: _Now) -> _Now:
-        """Remove, one after the other, causes without which the robot is predicted as well."""
-        fewer: _Now | None = now
-        while fewer is not None:
-            now, fewer = fewer, self._fewer(fewer)
-        return now
-
-    def _fewer(self, now: _Now) -> _Now | None:
-        """The state without the least needed cause; None if all are needed.
-
-        After refitting the other causes, the residual must be as small as predicted to first order.
-        The other causes may not compensate with numbers past their bounds.
-        """
-        found, seen = now.settled.found, now.settled.screened(self.single_effects)
-        others = [
-            now.settled.corrected(found.without(i)).screened(self.single_effects)
-            for i in range(len(found.causes))
-        ]
-        for i, promised in idle(seen, others):
-            trial = self.settled(now.without(i))
-            most = (1.0 + CLEARLY) * max(1.0, float(promised.mean()))
-            if not _deviates_more(trial, now) and float(self._left(trial, now).mean()) <= most:
-                return trial
-        return None
+    return None
 
 
-def _deviates_more(after: _Now, before: _Now) -> bool:
+def _with(now: Settled, new: Sequence[Choice]) -> Settled:
+    """The state with accepted causes; a richer change of a body or joint replaces a simpler."""
+    terms = tuple(c.candidate.common for c in new if c.candidate.common)
+    if terms:
+        now = now.with_common(terms)
+    for choice in (c for c in new if c.candidate.cause):
+        for part, own in choice.parts:
+            same = (i for i, c in enumerate(now.found.causes) if c.changed == part.changed)
+            now = now.without(*same).with_cause(choice.of(part), own)
+    return now.refitted()
+
+
+def _simplified(
+    now: Settled, causes: Sequence[Cause], common: Sequence[EffectTerm]
+) -> Settled | None:
+    """The state with a cause replaced by one with fewer numbers that explains as much."""
+    for out, several in simpler(now, causes, common):
+        trial = _with(now.without(*out), several)
+        # fewer numbers leave a joint a little more of the data they are fitted to
+        if not _explains_as_much(trial, now):
+            continue
+        fewer = _without_idle(trial)
+        if fewer is not trial and not _explains_as_much(fewer, now):
+            continue
+        if not _deviates_more(fewer, now):
+            return fewer
+    return None
+
+
+def _explains_as_much(after: Settled, before: Settled) -> bool:
+    """Whether causes leave the joints not noticeably more."""
+    return float(_left(after, before).mean()) < 1.0 + CLEARLY
+
+
+def _left(after: Settled, before: Settled) -> Array:
+    """Ratio of the sums of squares after and before, with effects of single joints, (J,)."""
+    found = []
+    for now in (after, before):
+        seen = now.screened()
+        squares = seen.stack.held_out(columns_of(seen.candidates)).sum(axis=1)
+        found.append(squares * [j.left**2 for j in seen.stack.joints])
+    return np.asarray(found[0] / found[1])
+
+
+def _without_idle(now: Settled) -> Settled:
+    """Remove, one after the other, causes without which the robot is predicted as well."""
+    while (fewer := _fewer(now)) is not None:
+        now = fewer
+    return now
+
+
+def _fewer(now: Settled) -> Settled | None:
+    """The state without the least needed cause; None if all are needed.
+
+    After refitting the other causes, the residual must be as small as predicted to first order.
+    The other causes may not compensate with numbers past their bounds.
+    """
+    found = now.found
+    others = [now.corrected(found.without(i)).screened() for i in range(len(found.causes))]
+    for i, promised in idle(now.screened(), others):
+        trial = now.without(i).refitted()
+        most = (1.0 + CLEARLY) * max(1.0, float(promised.mean()))
+        if not _deviates_more(trial, now) and float(_left(trial, now).mean()) <= most:
+            return trial
+    return None
+
+
+def _deviates_more(after: Settled, before: Settled) -> bool:
     """Whether bodies differ noticeably from the model's nominal values."""
-    return nearer(before.settled.found.deviation, after.settled.found.deviation)
+    return nearer(before.found.deviation, after.found.deviation)

@@ -22,20 +22,11 @@ from frictionjoint.robot.settle import Settled
 
 
 def simpler(
-    settled: Settled,
-    choices: Sequence[Choice],
-    causes: Sequence[Cause],
-    common: Sequence[EffectTerm],
-    single_effects: frozenset[str],
+    settled: Settled, causes: Sequence[Cause], common: Sequence[EffectTerm]
 ) -> Iterator[tuple[tuple[int, ...], tuple[Choice, ...]]]:
-    """Replace one or two causes of the model by causes with fewer numbers that explain as much.
-
-    Args:
-        choices: evidence of its causes. causes: all candidates; common: common effects that are
-            candidates.
-        single_effects: labels of effects of single joints that compete.
-    """
-    found, left = settled.found, settled.squares_left(single_effects)
+    """Replace one or two causes of the model by causes, or common effects, with fewer numbers that
+    explain as much."""
+    found, left = settled.found, settled.squares_left()
     # effects of all joints alike come one at a time
     alike = () if settled.joints[0].common_effects else common
     of_one, of_two = (itertools.combinations(range(len(found.causes)), k) for k in (1, 2))
@@ -48,34 +39,30 @@ def simpler(
         if not fewer and not terms:
             continue
         rest = settled.corrected(found.without(*out))
-        seen = _opened(rest, settled.joints, fewer, terms, single_effects)
+        seen = _opened(rest, settled.joints, fewer, terms)
         tried, nearest = [], []
         for several in _sets(seen, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
-                # each of two causes is needed, so a simpler one of them is not enough
-                if len(gone) > 1:
-                    continue
                 # causes are nonlinear far from the nominal parameters
-                squares = _fitted(rest, several, single_effects).squares_left(single_effects)
+                squares = _fitted(rest, several).squares_left()
             else:
                 squares = seen.held_out(several)
             total = float(squares.sum())
-            enough = as_much(seen.stack, squares, left)
-            if enough and _possible(seen, several):
+            if as_much(seen.stack, squares, left):
                 tried.append((_size(several), total, several))
-            elif not enough and len(several) > 1 and all(c.cause for c in several):
+            elif len(several) > 1 and all(c.cause for c in several):
                 nearest.append((total, several))
-        pair = None if tried else _nearest(seen, nearest)
-        if pair:
+        if not tried and nearest:
             # nor are two that change together: they count where bodies come back by them
-            after = _fitted(rest, pair, single_effects)
-            squares = after.squares_left(single_effects)
+            _, several = min(nearest, key=lambda one: one[0])
+            after = _fitted(rest, several)
+            squares = after.squares_left()
             if nearer(after.found.deviation, found.deviation) and as_much(
                 seen.stack, squares, left
             ):
-                tried.append((_size(several), float(squares.sum()), pair))
+                tried.append((_size(several), float(squares.sum()), several))
         if tried:
-            yield out, _choices(seen, _simplest(tried), choices[out[0]])
+            yield out, _choices(seen, _simplest(tried), settled.choices[out[0]])
 
 
 def _opened(
@@ -83,28 +70,27 @@ def _opened(
     shaped: Sequence[FittedJoint],
     causes: Sequence[Cause],
     terms: Sequence[EffectTerm],
-    single_effects: frozenset[str],
 ) -> Screened:
     """New causes and effects as candidates; effects that are kept are accepted.
 
     Effects of single joints keep the shapes they have with the removed causes, because a fit
     without these causes would bias the shapes.
     """
-    here, own = rest.joints[0].common_effects, single_effects.__contains__
+    here, own = rest.joints[0].common_effects, rest.single_effects.__contains__
     seen = screen(rest.joints, rest.clock, rest.found, causes, own, (*here, *terms), shaped)
     stands = [c for c in seen.candidates if not c.shared or c.common in here]
     open_ones = tuple(c for c in seen.candidates if c.shared and c.common not in here)
     return replace(seen, accepted=(*seen.accepted, *stands), candidates=open_ones)
 
 
-def _fitted(rest: Settled, several: Sequence[Candidate], single_effects: frozenset[str]) -> Settled:
+def _fitted(rest: Settled, several: Sequence[Candidate]) -> Settled:
     """Causes fitted together with others, with numbers as accurate as theirs."""
     start = rest.found
     for candidate in several:
         assert candidate.cause is not None
         start = start.with_cause(candidate.cause, candidate.cause.start)
-    found = descended(rest.joints, rest.clock, start, single_effects.__contains__)
-    return rest.corrected(found)
+    own = rest.single_effects.__contains__
+    return rest.corrected(descended(rest.joints, rest.clock, start, own))
 
 
 def _size(several: Sequence[Candidate]) -> int:
@@ -124,7 +110,7 @@ def _sets(seen: Screened, size: int) -> list[tuple[Candidate, ...]]:
     """Single causes and pairs with fewer numbers.
 
     A cause can be past its bounds alone, because it compensates for another cause, and within its
-    bounds together with that cause, see `_possible`.
+    bounds together with that cause.
     """
     known = seen.columns(())
     inside = [within_bounds(seen.stack, c, known) for c in seen.candidates]
@@ -135,25 +121,17 @@ def _sets(seen: Screened, size: int) -> list[tuple[Candidate, ...]]:
     return [(c,) for c in inside if c is not None] + [
         (a, b)
         for a, b in pairs
-        if len(a.at) + len(b.at) < size and a.changed != b.changed and not (a.common and b.common)
+        if len(a.at) + len(b.at) < size
+        and a.changed != b.changed
+        and not (a.common and b.common)
+        and _possible(seen, a, b)
     ]
 
 
-def _possible(seen: Screened, several: Sequence[Candidate]) -> bool:
-    """Whether all numbers of a set are within their bounds when fitted together."""
-    if len(several) == 1:
-        return True
-    a, b = several
+def _possible(seen: Screened, a: Candidate, b: Candidate) -> bool:
+    """Whether all numbers of both are within their bounds when fitted together."""
     inside = [within_bounds(seen.stack, x, seen.columns((y,))) for x, y in ((a, b), (b, a))]
     return [len(c.at) if c else 0 for c in inside] == [len(a.at), len(b.at)]
-
-
-def _nearest(
-    seen: Screened, pairs: Sequence[tuple[float, tuple[Candidate, ...]]]
-) -> tuple[Candidate, ...] | None:
-    """The possible pair with the smallest sum of squares."""
-    ordered = sorted(pairs, key=lambda one: one[0])
-    return next((several for _, several in ordered if _possible(seen, several)), None)
 
 
 def _choices(seen: Screened, several: tuple[Candidate, ...], before: Choice) -> tuple[Choice, ...]:

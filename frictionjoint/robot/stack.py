@@ -147,11 +147,8 @@ class Stack:
         return np.asarray(cov)
 
     def products(self, at: Columns, known: Columns) -> tuple[Array, Array]:
-        """Gram matrices of columns by block, others projected out, and products with the residual.
-
-        Returns:
-            summed over joints, shapes (B, k, k) and (B, k).
-        """
+        """Gram matrices of columns by block, others projected out, shape (B, k, k), and products
+        with the residual, shape (B, k), both summed over joints."""
         G = self.total
         inner = G[np.ix_(known, known)]
         scale = roots(inner)
@@ -190,11 +187,8 @@ class Stack:
 
 
 def least_squares(A: Array, b: Array) -> Array:
-    """Solutions of normal equations, the shortest ones if singular.
-
-    Args:
-        A: shape (..., k, k). b: shape (..., k), as the result.
-    """
+    """Solutions of normal equations, the shortest ones if singular; A has shape (..., k, k), b and
+    the result (..., k)."""
     if not b.shape[-1]:
         return b
     scale = roots(A)

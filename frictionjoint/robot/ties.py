@@ -16,23 +16,14 @@ from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import Settled
 
 
-def restated(
-    settled: Settled,
-    choices: Sequence[Choice],
-    causes: Sequence[Cause],
-    single_effects: frozenset[str],
-) -> tuple[Choice, ...]:
-    """The evidence of the causes of a model, with the ties that remain.
-
-    Args:
-        choices: of its causes, with their earlier ties. causes: all candidates.
-        single_effects: labels of effects of single joints in the model.
-    """
-    found, joints = settled.found, settled.joints
-    left = settled.squares_left(single_effects)
+def restated(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
+    """The evidence of the causes of a model, with those of the earlier ties among all `causes` that
+    remain."""
+    found, joints, single_effects = settled.found, settled.joints, settled.single_effects
+    left = settled.squares_left()
     there = {c.label for c in found.causes} | single_effects
     kept = []
-    for i, choice in enumerate(choices):
+    for i, choice in enumerate(settled.choices):
         wanted = frozenset(choice.evidence.ties) - there
         ties: dict[str, None] = {}
         if wanted:

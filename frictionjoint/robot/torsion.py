@@ -32,11 +32,8 @@ _TURNS = (0.005, 0.01, 0.02, 0.05, 0.1)
 
 
 def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
-    """The gear of a joint with a second encoder in its logs; None without one.
-
-    Args:
-        logs: as prepared, in order.
-    """
+    """The gear of a joint with a second encoder in its logs, in the order as prepared; None without
+    one."""
     if any(log.motor_position is None for log in logs):
         return None
     ratio, geared = _gears(logs)

@@ -23,12 +23,11 @@ _ENDS = {signal.SIGINT, signal.SIGTERM}
 
 @contextmanager
 def workers(count: int, scheduler: str | None) -> "Iterator[Each]":  # type: ignore[type-arg]
-    """A `map` over processes (a single one runs in this process) or over a cluster's workers.
+    """A `map` over processes (a single one runs in this process) or, by the address of its
+    scheduler, over the workers of a Dask cluster.
 
     An exception or an interruption ends all processes; on a cluster it cancels the tasks.
 
-    Args:
-        scheduler: address of a Dask scheduler.
     Raises:
         FrictionJointError: no scheduler answers there, or `distributed` is not installed.
     """

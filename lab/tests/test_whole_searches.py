@@ -85,7 +85,7 @@ def test_a_model_without_any_rotor_gets_all_of_them_and_links_stay_near_their_ow
     hide_mass(arm, "link2", 1.5, (0.01, -0.01, 0.01))
     shown = found_in(arm)
     found = values(shown)
-    for cause, choice in zip(shown.settled.found.causes, shown.choices, strict=True):
+    for cause, choice in zip(shown.found.causes, shown.choices, strict=True):
         if cause.name == "rotor-inertia":
             assert choice.candidate.joints == (cause.place["joint"],)
     rotors = {place["joint"]: v["added"] for name, place, v in found if name == "rotor-inertia"}

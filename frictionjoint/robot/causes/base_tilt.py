@@ -21,11 +21,9 @@ class BaseTilt(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """Empty: the base is one."""
         return {}
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """Gravity rotated about both axes."""
         axes = _across(state.gravity)
         turned = Rotation.from_rotvec(x @ axes).apply(state.gravity)
         return replace(state, gravity=np.asarray(turned))

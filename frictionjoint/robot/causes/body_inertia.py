@@ -39,7 +39,6 @@ class BodyInertia(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """The body."""
         return {"body": self.body_name}
 
     @property

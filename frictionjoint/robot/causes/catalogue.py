@@ -61,11 +61,8 @@ def catalogue(
 def all_links(
     model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
 ) -> tuple[Cause, ...]:
-    """Inertial parameters of all links that the joints move, as one cause; none for a single link.
-
-    Args:
-        joints: with logged drive. moving: with logged motion.
-    """
+    """Inertial parameters of all links that joints with logged drive or motion move, as one cause;
+    none for a single link."""
     found = _bodies(model, joints, moving, ("all ten",))
     return (Links(tuple(found)),) if len(found) > 1 else ()
 

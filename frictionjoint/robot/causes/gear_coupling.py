@@ -36,7 +36,6 @@ class GearCoupling(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """The two joints that the shaft couples."""
         return {"joint": self.joints[0], "other_joint": self.joints[1]}
 
     @property

@@ -22,14 +22,11 @@ class JointOffset(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """The joint."""
         return {"joint": self.joint}
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """The joint's zero shifted further."""
         here = state.offset.get(self.joint, 0.0) + float(x[0])
         return replace(state, offset=state.offset | {self.joint: here})
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
-        """The offset, rad (m)."""
         return {"offset": (float(x[0]), "m" if self.slide else "rad")}

@@ -41,12 +41,10 @@ class Payload(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """The body that carries it."""
         return {"body": self.body_name}
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """A positive mass, any centre, a nonnegative inertia."""
         return ((_LEAST, self.heaviest), FREE, FREE, FREE, POSITIVE)
 
     def rays(self, x: Array) -> list[Array]:

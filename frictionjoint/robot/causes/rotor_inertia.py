@@ -12,11 +12,8 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class RotorInertia(Cause):
-    """Number: what to add to the model's armature, kg m^2 (kg for a slide).
-
-    Attributes:
-        joint: name. armature: the model's; the sum is never negative.
-    """
+    """Number: what to add to the model's armature, kg m^2 (kg for a slide); the sum is never
+    negative."""
 
     joint: str
     armature: float
@@ -26,7 +23,6 @@ class RotorInertia(Cause):
 
     @property
     def place(self) -> dict[str, str]:
-        """The joint."""
         return {"joint": self.joint}
 
     def acts_on(self, joint: str) -> bool:
@@ -39,7 +35,6 @@ class RotorInertia(Cause):
         return ((-self.armature, np.inf),)
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """The armature of the joint with the rotor."""
         here = state.armature.get(self.joint, 0.0) + float(x[0])
         return replace(state, armature=state.armature | {self.joint: here})
 

@@ -12,42 +12,33 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class Together(Cause):
-    """Numbers: those of each cause, in order.
-
-    Attributes:
-        members: the causes. where: key of their places in the report.
-    """
+    """Numbers: those of each of the members, in order; `where` is the key of their places in the
+    report."""
 
     members: tuple[Cause, ...]
     where: ClassVar[str]
 
     @property
     def place(self) -> dict[str, str]:
-        """The places of all members."""
         return {self.where: ", ".join(_place_of(x) for x in self.members)}
 
     @property
     def steps(self) -> Array:
-        """Those of the members, one after the other."""
         return np.concatenate([x.steps for x in self.members])
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
-        """Those of the members, one after the other."""
         return tuple(b for x in self.members for b in x.bounds)
 
     @property
     def prior(self) -> Array:
-        """Those of the members, one after the other."""
         return np.concatenate([x.prior for x in self.members])
 
     def parts(self, x: Array) -> list[tuple[Cause, Array]]:
-        """The members with their numbers."""
         ends = np.cumsum([len(c.start) for c in self.members])[:-1]
         return list(zip(self.members, np.split(x, ends), strict=True))
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
-        """Corrections with all members added."""
         for member, own in self.parts(x):
             state = member.applied(state, own)
         return state
