@@ -7,36 +7,12 @@ law, and *useful* if a returned or stored number depends on it.
 import ast
 import inspect
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any
 
+from frictionjoint.law.tangents.particulars import COUNTS, COUNTS_OF, LEFT_OUT, ROUNDED
 from frictionjoint.law.tangents.terms import expression
 from frictionjoint.translate.kernel import Kernel, is_kernel, signature, without_unread
 from frictionjoint.translate.kinds import DOUBLE, NOTHING, REALS
-
-
-@dataclass(frozen=True)
-class Particulars:
-    """Facts about the kernels that differentiation requires and their source does not state.
-
-    Attributes:
-        rules: kernels with hand-written tangents, and the function that replaces each.
-        counts: sets of names. An array element whose index contains all names of a set is a count,
-            a flag or a choice.
-        counts_of: further sets, by module.
-        left_out: statements that can be omitted without changing any value.
-        rounded: by kernel, expressions, each with an expression that is equal except for rounding.
-            The second one is differentiated.
-        harmless: equality tests that hide no derivative: either the equality holds by assignment,
-            or the joint is at rest, where the derivative with respect to the motion jumps.
-    """
-
-    rules: dict[Any, Any]
-    counts: tuple[frozenset[str], ...]
-    counts_of: dict[Any, tuple[frozenset[str], ...]]
-    left_out: frozenset[str]
-    rounded: dict[Any, dict[str, str]]
-    harmless: frozenset[str]
 
 
 class Activity(Kernel):
@@ -50,18 +26,15 @@ class Activity(Kernel):
 
     purpose = "differentiated"
 
-    def __init__(
-        self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
-    ) -> None:
+    def __init__(self, kernel: Any, moving: frozenset[str], wanted: bool) -> None:
         """Analyse a kernel; for the arguments see `differentiate.Differentiated`."""
         super().__init__(kernel)
-        self.read(left_out=particulars.left_out)
+        self.read(left_out=LEFT_OUT)
         self.body = self.body if wanted else _without_value(self.body)
-        self.particulars = particulars
         self.owner: Any = inspect.getmodule(self.python)
         self.homes = _homes(self.owner)
         self.modules: set[str] = set()
-        self.rounded = particulars.rounded.get(kernel, {})
+        self.rounded = ROUNDED.get(kernel, {})
         self.exact: set[ast.AST] = set()
         self.arguments = {a.arg: ast.unparse(a.annotation or a) for a in self.tree.args.args}
         self.arrays = {name for name in self.parameters if self.kinds[name] == REALS}
@@ -133,8 +106,7 @@ class Activity(Kernel):
     def is_count(self, node: ast.Subscript) -> bool:
         """Whether an array element is a count, a flag or a choice."""
         names = {n.id for n in ast.walk(node.slice) if isinstance(n, ast.Name)}
-        known = self.particulars.counts + self.particulars.counts_of.get(self.owner, ())
-        return any(count <= names for count in known)
+        return any(count <= names for count in COUNTS + COUNTS_OF.get(self.owner, ()))
 
     def kernel_of(self, node: ast.Call) -> Any:
         """The kernel that a call calls; None if the called function is not a kernel."""

@@ -16,7 +16,8 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
-from frictionjoint.law.tangents.activity import Activity, Particulars
+from frictionjoint.law.tangents.activity import Activity
+from frictionjoint.law.tangents.particulars import HARMLESS, RULES
 from frictionjoint.law.tangents.terms import (
     Terms,
     added,
@@ -52,9 +53,7 @@ class Differentiated:
         calls: kernels that it calls, each as the arguments of this class.
     """
 
-    def __init__(
-        self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
-    ) -> None:
+    def __init__(self, kernel: Any, moving: frozenset[str], wanted: bool) -> None:
         """Differentiate a kernel.
 
         Args:
@@ -63,8 +62,7 @@ class Differentiated:
         Raises:
             ModelError: a construct that cannot be differentiated.
         """
-        self.activity = Activity(kernel, moving, wanted, particulars)
-        self.particulars = particulars
+        self.activity = Activity(kernel, moving, wanted)
         self.wanted = wanted
         self.calls: list[tuple[Any, frozenset[str], bool]] = []
         self.made = 0
@@ -152,7 +150,7 @@ class Differentiated:
                 isinstance(op, ast.Eq | ast.NotEq) for op in part.ops
             ):
                 hides = any(self.activity.moves(x) for x in (part.left, *part.comparators))
-                if hides and ast.unparse(part) not in self.particulars.harmless:
+                if hides and ast.unparse(part) not in HARMLESS:
                     self.activity.unknown(node)
         return self.activity.as_is(node)
 
@@ -239,7 +237,7 @@ class Differentiated:
         if kernel is None:
             self.activity.unknown(node)
         names = list(inspect.signature(kernel.py_func).parameters)
-        rule = self.particulars.rules.get(kernel)
+        rule = RULES.get(kernel)
         taken = inspect.signature(rule.py_func).parameters if rule else None
         arguments: list[str] = []
         moving: set[str] = set()

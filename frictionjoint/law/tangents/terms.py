@@ -48,13 +48,14 @@ def combined(terms: Terms) -> str:
     if not terms:
         return "ZERO"
     factors = list(terms.items())
-    if len(factors) > 4:
-        first, rest = combined(dict(factors[:4])), combined(dict(factors[4:]))
-        return f"sum2(1.0, {first}, 1.0, {rest})"
-    if len(factors) > 1:
-        return f"sum{len(factors)}({', '.join(f'{text(x)}, {tangent}' for tangent, x in factors)})"
-    ((tangent, x),) = factors
-    return tangent if _is_one(x) else f"scaled({text(x)}, {tangent})"
+    if len(factors) == 1:
+        ((tangent, x),) = factors
+        return tangent if _is_one(x) else f"scaled({text(x)}, {tangent})"
+    if len(factors) == 2:
+        return f"sum2({', '.join(f'{text(x)}, {tangent}' for tangent, x in factors)})"
+    first = 4 if len(factors) > 4 else 2
+    parts = (combined(dict(some)) for some in (factors[:first], factors[first:]))
+    return f"sum2(1.0, {', 1.0, '.join(parts)})"
 
 
 def _product(a: ast.expr, b: ast.expr) -> ast.expr:
