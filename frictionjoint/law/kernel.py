@@ -57,18 +57,6 @@ def row_size(P: Vector, p: int) -> int:
 
 
 @compiled
-def start_rival(P: Vector, p: int, X: Vector, x: int) -> None:
-    """`start_row` for any law but the integrated one."""
-    n = _rival_header(P, p)
-    for i in range(2 * n):
-        X[x + i] = 0.0
-    # bristles at rest follow the motion one to one; the static law has none
-    if P[p] != STATIC:
-        X[x + bristle.RATE] = 1.0
-        X[x + n + bristle.RATE] = 1.0
-
-
-@compiled
 def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
     """Set a row to a joint that is at rest and has never moved."""
     if P[p] == INTEGRATED:
@@ -76,7 +64,13 @@ def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
         for i in range(HEADER):
             X[x + HEADER + i] = X[x + i]
         return
-    start_rival(P, p, X, x)
+    n = _rival_header(P, p)
+    for i in range(2 * n):
+        X[x + i] = 0.0
+    # bristles at rest follow the motion one to one; the static law has none
+    if P[p] != STATIC:
+        X[x + bristle.RATE] = 1.0
+        X[x + n + bristle.RATE] = 1.0
 
 
 @compiled

@@ -40,8 +40,7 @@ from frictionjoint.identify.constraint_shape import gradient
 from frictionjoint.identify.reversals import fill_grid, path_of
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.law import relaxation, stribeck
-from frictionjoint.law.kernel import INTEGRATED
-from frictionjoint.law.motion import drive_integrated, drive_rival, friction_torque
+from frictionjoint.law.motion import drive_motions, friction_torque
 from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.measured.lowpass import LowPass, gentle
 from frictionjoint.rivals import (
@@ -159,8 +158,7 @@ def along_logs(rng: np.random.Generator) -> None:
         friction_torque(law, t, q)
         P = law.pack()
         H_, rate = np.empty(SAMPLES), np.empty(SAMPLES)
-        drive = drive_integrated if P[0] == INTEGRATED else drive_rival
-        drive(P, t, q, edges, H_, rate)
+        drive_motions(P, t, q, edges, H_, rate)
         P_t = rng.normal(size=(7, len(P)))
         driven_with_tangents(law.law, P, P_t, t, q, edges)
     rows = signals_of(rng, t, q)
