@@ -12,9 +12,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.errors import ParameterError
-from frictionjoint.parameter_checks import LEVELS, SIDES, number_pairs, require
-from frictionjoint.parameters import MOST_KNOTS, Friction, StribeckFriction, damaged_block
+from frictionjoint.parameter_checks import LEVEL_FIELDS, SIDES, number_pairs, require
+from frictionjoint.parameters import MOST_KNOTS, Friction, StribeckFriction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,49 +31,28 @@ class _Rival(Friction):
         """The same levels in both directions: ``Fs=1.2`` for ``Fs_pos=1.2, Fs_neg=1.2``."""
         return cls.from_dict(values)
 
-    def levels(self, side: str) -> list[float]:
-        """The numbers of a direction, in the order of `LEVELS`."""
-        raise NotImplementedError
-
     def _own(self) -> list[float]:
         return [getattr(self, name) for name in self.own]
 
     @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        fields = {field.name for field in dataclasses.fields(cls)}
-        numbers = {"sigma1": sigma1} | levels | dict(zip(cls.own, own, strict=True))
+    def _own_fields(cls, own: list[float]) -> dict[str, Any]:
+        """Inverse of `_own`."""
+        return dict(zip(cls.own, own, strict=True))
+
+    @classmethod
+    def _from_numbers(cls, numbers: list[float]) -> Self:
+        first = 2 + len(LEVEL_FIELDS)
+        given = dict(zip(("sigma1", *LEVEL_FIELDS), numbers[1:first], strict=True))
+        given |= cls._own_fields(numbers[first:])
         # the static law has no sigma1, Dahl's no Stribeck effect
-        return cls(**{name: x for name, x in numbers.items() if name in fields})
+        names = {field.name for field in dataclasses.fields(cls)}
+        return cls(**{name: x for name, x in given.items() if name in names})
 
     def pack(self) -> NDArray[np.float64]:
         """The block for ``law.kernel``, beginning with the number of the law."""
         levels = [x for side in SIDES for x in self.levels(side)]
         sigma1 = getattr(self, "sigma1", 0.0)
         return np.array([float(self.number), sigma1, *levels, *self._own()])
-
-    @classmethod
-    def unpack(cls, block: NDArray[np.float64]) -> Self:
-        """Inverse of `pack`.
-
-        Raises:
-            ParameterError: the block is damaged or its values are out of range.
-        """
-        numbers = [float(x) for x in block]
-        names = [f"{name}_{side}" for side in SIDES for name in LEVELS]
-        first = 2 + len(names)
-        if len(numbers) < first:
-            raise damaged_block()
-        try:
-            levels = dict(zip(names, numbers[2:first], strict=True))
-            found = cls._from_numbers(numbers[1], levels, numbers[first:])
-        except ParameterError:
-            raise
-        except (IndexError, ValueError, OverflowError):
-            raise damaged_block() from None
-        # the numbers a law has no field for must be those it writes
-        if not np.array_equal(found.pack(), block):
-            raise damaged_block()
-        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -277,10 +255,8 @@ class MaxwellSlipParameters(_Stribeck):
         return [self.C, float(len(self.elements)), *(x for pair in self.elements for x in pair)]
 
     @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        n = int(own[1])
-        pairs = tuple((own[2 + 2 * i], own[3 + 2 * i]) for i in range(n))
-        return cls(**levels, elements=pairs, C=own[0], sigma1=sigma1)
+    def _own_fields(cls, own: list[float]) -> dict[str, Any]:
+        return {"C": own[0], "elements": tuple(zip(own[2::2], own[3::2], strict=True))}
 
 
 RIVALS: tuple[type[_Rival], ...] = (

@@ -19,7 +19,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.export.scripts import rendered
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.parameter_checks import LEVELS, SIDES
+from frictionjoint.parameter_checks import LEVEL_FIELDS
 from frictionjoint.parameters import Friction
 from frictionjoint.rivals import MaxwellSlipParameters
 from frictionjoint.simulate.joint_effects import effects_torque
@@ -39,7 +39,6 @@ _SURROUNDINGS = {
 }
 # where an effect that is no torque acts
 _ELSEWHERE = {"mechanism": "between motor and link", "sensors": "in the instruments"}
-_LEVELS = [f"{name}_{side}" for side in SIDES for name in LEVELS]
 
 
 @dataclass(frozen=True)
@@ -144,7 +143,7 @@ def _law_labels(parameters: Friction, block: Array) -> list[str]:
     first = f"law: {parameters.law}"
     if parameters.law == "integrated":
         kinds = ["variant: 0 ganseman1997, 1 lampaert2002", "virgin: 0 literal, 1 masing"]
-        head = [first, *kinds, "n", "sigma1", *_LEVELS]
+        head = [first, *kinds, "n", "sigma1", *LEVEL_FIELDS]
         knots = int(block[len(head)])
         of_knots = [f"{x} of knot {i}" for i in range(knots) for x in ("z", "F", "slope")]
         return [*head, "knots", *of_knots]
@@ -152,7 +151,7 @@ def _law_labels(parameters: Friction, block: Array) -> list[str]:
     if isinstance(parameters, MaxwellSlipParameters):
         pairs = range(len(parameters.elements))
         own = ["C", "elements", *(f"{x}[{i}]" for i in pairs for x in ("k", "share"))]
-    return [first, "sigma1", *_LEVELS, *own]
+    return [first, "sigma1", *LEVEL_FIELDS, *own]
 
 
 def _number(value: float) -> str:
