@@ -223,14 +223,6 @@ def build_native() -> Any:
         *(model_at.get(name, 0) for name in MODEL_NAMES),
         *(data_at.get(name, 0) for name in DATA_NAMES),
     ]
-    bind_mujoco(
-        mj_factorM,
-        mj_freeStack,
-        mj_markStack,
-        mj_mulM,
-        mj_projectConstraint,
-        mj_rne,
-        mj_stackAllocNum,
-    )
+    bind_mujoco()
     bind_python()
     return CALLBACK(entry_point(native))

@@ -20,7 +20,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.idle_warning import callback_is_off
 from frictionjoint.simulate.shaft_wave import wave_losses
-from frictionjoint.simulate.warp_layout import block_with, layout
+from frictionjoint.simulate.warp_layout import Layout
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
 # not be distinguished from repeated ones.
@@ -65,7 +65,7 @@ class WarpFriction:
         from frictionjoint.simulate import warp_kernel
 
         self._mjw, self._wp, self._model, self._data = mjw, wp, m, d
-        self._layout = made = layout(mjm, found, warp_kernel.FRONT)
+        self._layout = made = Layout(mjm, found, warp_kernel.FRONT)
         motor = m.actuator_gainprm.dtype
         kernels = warp_kernel.build(made.has_effects, motor, made.header)
         self._take_back, self._friction, self._acted, self._reset = kernels
@@ -191,7 +191,7 @@ class WarpFriction:
             if len(each) != nworld:
                 raise ModelError(f"{nworld} worlds, {len(each)} parameter sets: give one per world")
             rows = np.repeat(rows, nworld // len(rows), axis=0)
-        blocks = [block_with(made, at, one) for one in each]
+        blocks = [made.block_with(at, one) for one in each]
         first = int(made.blocks[at])
         # what is given without effects leaves those of each world as they are
         for i, block in enumerate(blocks):
