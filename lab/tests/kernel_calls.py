@@ -28,7 +28,7 @@ from acting import acting, arm, ctrl
 import frictionjoint as fj
 from frictionjoint.compiled import native
 from frictionjoint.control import kernel as control
-from frictionjoint.control.profile import fill_means, followed
+from frictionjoint.control.profile import followed
 from frictionjoint.control.reconstruct import fill_mean_drives
 from frictionjoint.effects.catalogue import CATALOGUE, SIMULATED
 from frictionjoint.effects.joint_elasticity import free_swing
@@ -250,7 +250,6 @@ def controllers(rng: np.random.Generator) -> None:
         control.along(block, t, target, q, v, one, np.empty(SAMPLES), memory)
         rate = float(block[control.SLEW])
         followed(t, target, t, min(rate, 1.0))
-        fill_means(t, target, t, np.full(SAMPLES, 2e-3), rate, path, np.empty(SAMPLES))
 
 
 def simulations(rng: np.random.Generator) -> None:
