@@ -20,6 +20,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.export.motion import Motion
 from frictionjoint.model_files import ONE_DOF
 from frictionjoint.model_joints import is_slide, mass_at_start
+from frictionjoint.replay.prescribed_motion import Prescribed
 from frictionjoint.simulate.attach import attach
 
 # its steps are never implicit: torque is wanted here and now, not at a step's end
@@ -116,19 +117,14 @@ def losses(
     return found
 
 
-def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[int, Array]:
-    """Position, velocity and acceleration along the motion by joint id, shape (n, 3)."""
+def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[str, list[Array]]:
+    """Position, velocity and acceleration along the motion by joint, shape (n,) each."""
     dt = float(motion.time[1] - motion.time[0])
-    found = {
-        model.joint(joint).id: np.stack(
-            [motion.position, motion.velocity, motion.acceleration], axis=1
-        )
-    }
+    found = {joint: [motion.position, motion.velocity, motion.acceleration]}
     for name, q in motion.others.items():
-        other = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
-        if other >= 0:
+        if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) >= 0:
             v = np.gradient(q, dt)
-            found[other] = np.stack([q, v, np.gradient(v, dt)], axis=1)
+            found[name] = [q, v, np.gradient(v, dt)]
     return found
 
 
@@ -144,7 +140,7 @@ def _alone(model: mujoco.MjModel, actuators: int) -> None:
 def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) -> Array:
     """Torque at the joint that the motion requires, shape (n,)."""
     data, before = mujoco.MjData(model), (model.opt.timestep, model.opt.integrator)
-    tracks = _tracks(model, joint, motion)
+    moved = Prescribed(model, data, _tracks(model, joint, motion))
     dof = int(model.jnt_dofadr[model.joint(joint).id])
     found = np.empty(len(motion.time))
     model.opt.timestep, model.opt.integrator = motion.time[1] - motion.time[0], _EXPLICIT
@@ -153,10 +149,7 @@ def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) 
             data.time = t
             # a step below moves the other joints too
             data.qpos[:], data.qvel[:], data.qacc[:] = model.qpos0, 0.0, 0.0
-            for j, track in tracks.items():
-                data.qpos[model.jnt_qposadr[j]] = track[k, 0]
-                data.qvel[model.jnt_dofadr[j]] = track[k, 1]
-                data.qacc[model.jnt_dofadr[j]] = track[k, 2]
+            moved.put(k)
             mujoco.mj_inverse(model, data)
             found[k] = data.qfrc_inverse[dof]
             if getattr(model, "nplastic", 0):  # springs that yield are carried on by steps alone
@@ -177,7 +170,6 @@ def _loop(
 ) -> Array:
     """Position of the joint in a loop with this stiffness, N m/rad, at the motion's times."""
     data, before = mujoco.MjData(model), model.opt.timestep
-    tracks = _tracks(model, joint, motion)
     driven = [j for j in range(model.njnt) if model.jnt_type[j] in ONE_DOF]
     qpos, dofs = model.jnt_qposadr[driven], model.jnt_dofadr[driven]
     steps = max(1, int(np.ceil(motion.time[-1] / before)))
@@ -185,9 +177,9 @@ def _loop(
     time = model.opt.timestep * np.arange(steps + 1)
     wanted = np.zeros((3, steps + 1, len(driven)))
     wanted[0] = model.qpos0[qpos]
-    for j, track in tracks.items():
-        for i in range(3):
-            wanted[i, :, driven.index(j)] = np.interp(time, motion.time, track[:, i])
+    for name, track in _tracks(model, joint, motion).items():
+        own = driven.index(model.joint(name).id)
+        wanted[:, :, own] = [np.interp(time, motion.time, x) for x in track]
     j = model.joint(joint).id
     mass = mass_at_start(bare)[np.ix_(dofs, dofs)]
     springs, dampers = _gains(mass, driven.index(j), stiffness, model.opt.timestep)

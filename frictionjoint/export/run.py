@@ -18,7 +18,7 @@ from frictionjoint.export.losses import Loss, losses
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
-from frictionjoint.export.native import add_plain, without_friction
+from frictionjoint.export.native import add_plain
 from frictionjoint.export.sliding import (
     PlainFriction,
     levels,
@@ -33,8 +33,8 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.model_joints import is_slide, mass_at_start
 from frictionjoint.simulate.carrier import install, load_model, read_friction
-from frictionjoint.simulate.mechanism import remove_mechanism
-from frictionjoint.simulate.shaft_wave import wave_losses
+from frictionjoint.simulate.shaft_wave import remove_waves, wave_losses
+from frictionjoint.simulate.uninstall import take_out
 
 # law and effects as they are
 _WHOLE = ("c", "mjlab")
@@ -71,9 +71,9 @@ class _Task:
 
     def spec(self, mechanism: bool = False) -> mujoco.MjSpec:
         """The model without its friction; with rigid joints, or with springs and gaps."""
-        spec = without_friction(mujoco.MjSpec.from_file(str(self.path)))
-        for name in () if mechanism else self.friction:
-            remove_mechanism(spec, name)
+        spec = mujoco.MjSpec.from_file(str(self.path))
+        take_out(spec, list(self.friction), not mechanism)
+        remove_waves(spec)
         return spec
 
     def rigid(self) -> mujoco.MjModel:
