@@ -70,13 +70,8 @@ class AllCommands:
     def __init__(self, logs: Sequence[Commands]) -> None:
         self.edges = np.cumsum([0, *(len(log.time) for log in logs)])
         self.time = np.concatenate([log.time for log in logs])
-        self._given = (
-            np.concatenate([log.target for log in logs]),
-            np.concatenate([log.position for log in logs]),
-            np.concatenate([log.velocity for log in logs]),
-            np.concatenate([log.supply for log in logs]),
-            np.concatenate([log.on for log in logs]),
-        )
+        names = ("target", "position", "velocity", "supply", "on")
+        self._given = [np.concatenate([getattr(log, name) for log in logs]) for name in names]
 
     def mean_drive(
         self, blocks: Array, delays: Array, off: Array | float = 0.0, faster: float = 0.0

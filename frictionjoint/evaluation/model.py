@@ -4,9 +4,10 @@ A measured torque replaces all actuators; of a `dcmotor` only friction and coggi
 measured voltage or current is the control of the joint's own actuator.
 """
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -78,11 +79,9 @@ class EvaluatedModel:
         """Whether the model has states that must be integrated: activations, plasticity."""
         return bool(self.model.na) or bool(getattr(self.model, "nplastic", 0))
 
-    @contextmanager
-    def acting(self) -> Iterator[None]:
+    def acting(self) -> AbstractContextManager[Any]:
         """Context in which the friction of the model acts."""
-        with attach(self.model) if blocks(self.model) else nullcontext():
-            yield
+        return attach(self.model) if blocks(self.model) else nullcontext()
 
     def _actuator(self, joint: str, drive: str) -> int | None:
         if drive == "torque":
