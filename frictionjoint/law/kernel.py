@@ -207,12 +207,17 @@ def hysteresis_torque(P: Vector, p: int, X: Vector, x: int) -> float:
     return X[x + _rival_header(P, p) + bristle.FH]
 
 
+@in_line
+def levels_at(P: Vector, p: int) -> int:
+    """Index of sigma1; from there to the levels any law's block is laid out as in `bristle`."""
+    return p + 1 + (integrated.SIGMA1 if P[p] == INTEGRATED else 0)
+
+
 @compiled
 def coulomb_level(P: Vector, p: int) -> float:
     """Mean of the two directions' Coulomb torques, N m."""
-    if P[p] == INTEGRATED:
-        return 0.5 * (P[p + 1 + integrated.POSITIVE + FC] + P[p + 1 + integrated.NEGATIVE + FC])
-    return 0.5 * (P[p + 1 + bristle.POSITIVE + FC] + P[p + 1 + bristle.NEGATIVE + FC])
+    first = levels_at(P, p)
+    return 0.5 * (P[first + bristle.POSITIVE + FC] + P[first + bristle.NEGATIVE + FC])
 
 
 @compiled

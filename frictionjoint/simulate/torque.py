@@ -9,8 +9,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.errors import ModelError
-from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque
+from frictionjoint.law import bristle
+from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque, levels_at
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
@@ -95,12 +95,11 @@ def _of_joint(model: mujoco.MjModel, data: mujoco.MjData, block: int) -> Frictio
         nothing, cold = dict.fromkeys(_effects(P, block, X, x), 0.0), temperature_of(P, block, X)
         return FrictionTorque(0.0, 0.0, 0.0, 0.0, 0.0, nothing, True, cold, float("nan"))
     p, law, v = block + slot.HEAD, x + FRONT, float(X[x + V_EVALUATED])
-    layout = integrated if P[p] == INTEGRATED else bristle
-    place = RATE if P[p] == INTEGRATED else bristle.RATE
-    side = p + 1 + (layout.POSITIVE if v > 0.0 else layout.NEGATIVE)
+    levels, place = levels_at(P, p), RATE if P[p] == INTEGRATED else bristle.RATE
+    side = bristle.side(levels, v)
     rate = float(X[law + header_size(P, p) + place])
     hysteresis = float(hysteresis_torque(P, p, X, law))
-    sigma1, sigma2 = float(P[p + 1 + layout.SIGMA1]), float(P[side + SIGMA2])
+    sigma1, sigma2 = float(P[levels]), float(P[side + SIGMA2])
     end = _end(model, data, int(P[block + slot.DOF]), float(X[x + T_EVALUATED]))
     law_torque = float(X[x + TORQUE] + X[x + GAIN] * end)
     # as the kernel adds them: without a gain exactly 0 is left
