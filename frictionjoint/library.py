@@ -124,11 +124,8 @@ def _is_source_tree() -> bool:
 
 def stamps(files: list[Path]) -> dict[str, list[int]]:
     """Size and time of change of files, by their place in the package."""
-    found = {}
-    for file in files:
-        stat = file.stat()
-        found[file.relative_to(_PACKAGE).as_posix()] = [stat.st_size, stat.st_mtime_ns]
-    return found
+    stats = {file.relative_to(_PACKAGE).as_posix(): file.stat() for file in files}
+    return {name: [stat.st_size, stat.st_mtime_ns] for name, stat in stats.items()}
 
 
 def _is_fresh() -> bool:

@@ -69,9 +69,7 @@ def side_by_side() -> Iterator[Callable[..., Any]]:
 
 def threads_here() -> int:
     """Number of threads that `side_by_side` would use here."""
-    if getattr(_busy, "inside", False):
-        return 1
-    return _allowed
+    return 1 if getattr(_busy, "inside", False) else _allowed
 
 
 @functools.lru_cache(maxsize=1)

@@ -137,7 +137,8 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
         fields = kind.from_address(owner._address)
         for name in at:
             inside, shown = (fields, owner) if hasattr(fields, name) else (fields.opt, model.opt)
-            value, found = getattr(shown, name, None), getattr(inside, name)
+            value: Any = getattr(shown, name, None)
+            found = getattr(inside, name)
             if isinstance(found, ctypes.Array):
                 value, found = value[0], found[0]
             elif isinstance(value, np.ndarray):
