@@ -9,8 +9,7 @@ held.
 
 import contextlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -54,15 +53,6 @@ class Loss:
     def unit_of_position(self) -> str:
         """rad, or m for a slide."""
         return "m" if self.unit == "N" else "rad"
-
-    @property
-    def errors(self) -> tuple[float, float, float]:
-        """Errors of the two runs and their distance, rad (m)."""
-        return self.error, self.error_exported, self.apart
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values by name."""
-        return asdict(self)
 
 
 def losses(

@@ -4,6 +4,7 @@ import os
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import mujoco
@@ -135,22 +136,29 @@ def export(
     bare = task.spec().compile()
     actuators: dict[str, Array] = {}
     softened: dict[str, float] = {}
+    refused: list[str] = []
+    add: Callable[[mujoco.MjSpec], mujoco.MjSpec] = partial(add_plain, friction=plain)
     if lugre:
         fitted = {n: lugre_friction(friction[n].parameters, motions[n]) for n in motions}
         actuators = {name: lugre_torque(fitted[name], motions[name]) for name in motions}
-        text, exported = _written(lambda spec: add_lugre(spec, fitted, plain), task)
+        add = partial(add_lugre, lugre=fitted, plain=plain)
     elif yielding:
         springs = _springs(bare, friction, plain)
-        text, exported = _written(lambda spec: add_yield_springs(spec, springs, plain), task)
         softened = {name: x.softened for name, x in springs.items()}
+        add = partial(add_yield_springs, springs=springs, plain=plain)
+    if target in _NUMBERS:
+        text, exported = _NUMBERS[target](task, plain)
     else:
-        text, exported = _PLAIN[target](task, plain)
+        whole, rigid = task.spec(mechanism=True), task.spec()
+        if target == "mjx":
+            fit_for_mjx(whole)
+            refused = [f"MJX refuses {x}" for x in fit_for_mjx(rigid)]
+        text, exported = _with_assets(add(whole), task), add(rigid).compile()
     # a joint slides once 99% of the change of friction behind a reversal is done
     before_sliding = {
         name: presliding_distance(friction[name].parameters, 0.99) for name in motions
     }
     found = losses(task.rigid(), bare, exported, motions, actuators, before_sliding)
-    refused = [f"MJX refuses {x}" for x in fit_for_mjx(task.spec())] if target == "mjx" else []
     return Exported(text, (*_lost(task, plain, bare, softened), *refused, *waves), tuple(found))
 
 
@@ -193,29 +201,9 @@ def _springs(
     }
 
 
-def _native(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
-    return _written(lambda spec: add_plain(spec, plain), task)
-
-
-def _mjx(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
-    def add(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-        fit_for_mjx(spec)
-        return add_plain(spec, plain)
-
-    return _written(add, task)
-
-
-def _written(
-    add: Callable[[mujoco.MjSpec], mujoco.MjSpec], task: _Task
-) -> tuple[str, mujoco.MjModel]:
-    """Text with springs and gaps of the joints, and the model of rigid joints to compare."""
-    whole = add(task.spec(mechanism=True))
-    whole.compile()
-    return _with_assets(whole, task), add(task.spec()).compile()
-
-
 def _with_assets(spec: mujoco.MjSpec, task: _Task) -> str:
-    """The spec's MJCF, with paths of asset files relative to the export."""
+    """The spec's MJCF, with paths of asset files relative to the export; it is compiled."""
+    spec.compile()
     text: str = spec.to_xml()
     if not (spec.meshes or spec.hfields or spec.textures or spec.skins):
         return text
@@ -252,13 +240,8 @@ def _isaac(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco
     return scripts.isaac_text(task.path, plain, model), model
 
 
-_PLAIN: dict[Target, Callable[[_Task, Mapping[str, PlainFriction]], tuple[str, mujoco.MjModel]]] = {
-    "native": _native,
-    "mjx": _mjx,
-    "urdf": _urdf,
-    "newton": _newton,
-    "isaac": _isaac,
-}
+# targets that take the numbers of joints, not an MJCF
+_NUMBERS = {"urdf": _urdf, "newton": _newton, "isaac": _isaac}
 
 
 def _lost(
