@@ -21,7 +21,7 @@ from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.joint_effects import effects_torque
-from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, torque_now
+from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, rare_torque, row_size, torque_now
 
 # rows of `Load.numbers`; mean, cosine and sine of each unit torque
 INERTIA, COS, SIN, REST, GX = range(5)
@@ -310,7 +310,8 @@ def _part(
         second = drive[k - late - 1] if k > late else before
         torque = gain * ((1.0 - part) * first + part * second) if on[k] else 0.0
         brake = emf if on[k] else 0.0
-        evaluate(P, 0, effects, X, 0, k * h, q, v, h, inertia)
+        weight = 1.0 / inertia if inertia > 0.0 else 0.0
+        rare_torque(P, 0, effects, X, 0, k * h, q, v, h, h, inertia, weight)
         F, damping = X[TORQUE], brake + X[GAIN]
         if some:
             F += _effects(given, X, k, k * h, q, v, bias, c, s, torque - brake * v)

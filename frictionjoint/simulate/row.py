@@ -200,21 +200,3 @@ def rare_torque(
     if F == F and h > 0.0:
         return over_the_step(P, p, X, x, h, v, J, weight)
     return F
-
-
-@compiled
-def evaluate(
-    P: Vector,
-    p: int,
-    effects: int,
-    X: Vector,
-    x: int,
-    t: float,
-    q: float,
-    v: float,
-    h: float,
-    J: float,
-) -> float:
-    """`rare_torque` of a joint alone, of inertia J, kg m^2, for a step of h seconds."""
-    weight = 1.0 / J if J > 0.0 else 0.0
-    return rare_torque(P, p, effects, X, x, t, q, v, h, h, J, weight)

@@ -4,24 +4,16 @@ A law is written once, as a scalar kernel. Its source is differentiated here, st
 statement and in forward mode (`frictionjoint.law.tangents.differentiate`).
 """
 
+from importlib import import_module
 from typing import Any
 
 from frictionjoint.errors import ModelError
-from frictionjoint.law import (
-    armstrong,
-    dahl,
-    dahl_stribeck,
-    elastoplastic,
-    integrated,
-    lugre,
-    maxwell_slip,
-    memory,
-    static,
-)
+from frictionjoint.law import integrated, memory
+from frictionjoint.law.names import LAWS
 from frictionjoint.law.tangents.differentiate import Differentiated
 
-_RIVALS = (static, armstrong, dahl, dahl_stribeck, lugre, elastoplastic, maxwell_slip)
-_ROOTS = (integrated.start, integrated.step, memory.make_room, *(law.step for law in _RIVALS))
+_RIVAL_STEPS = [import_module(f"frictionjoint.law.{law}").step for law in LAWS[1:]]
+_ROOTS = (integrated.start, integrated.step, memory.make_room, *_RIVAL_STEPS)
 
 
 def source() -> str:
