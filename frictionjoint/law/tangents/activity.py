@@ -1,12 +1,11 @@
-"""Activity analysis: which numbers of a kernel have a tangent, and which tangents are used.
+"""Activity analysis: which numbers of a kernel have a tangent.
 
 In the terms of automatic differentiation, a number is *varied* if it depends on a parameter of the
-law, and *useful* if a returned or stored number depends on it.
+law. Tangents that nothing uses are left to the compiler, which removes them.
 """
 
 import ast
 import inspect
-from collections.abc import Callable, Iterable
 from typing import Any
 
 from frictionjoint.law.tangents.particulars import COUNTS, COUNTS_OF, LEFT_OUT, ROUNDED
@@ -20,7 +19,7 @@ class Activity(Kernel):
 
     Attributes:
         arguments: annotation of each argument by name. arrays: arguments that are arrays.
-        varied: local numbers with a tangent. used: varied numbers whose tangent is used.
+        varied: local numbers with a tangent.
         modules: modules whose names `as_is` has qualified.
     """
 
@@ -39,39 +38,11 @@ class Activity(Kernel):
         self.arguments = {a.arg: ast.unparse(a.annotation or a) for a in self.tree.args.args}
         self.arrays = {name for name in self.parameters if self.kinds[name] == REALS}
         nodes = [node for statement in self.body for node in ast.walk(statement)]
+        assigned = [(x.targets[0], x.value) for x in nodes if isinstance(x, ast.Assign)]
+        pairs = [(to.id, value) for to, value in assigned if isinstance(to, ast.Name)]
         self.varied = set(moving)
-        _grow(self.varied, nodes, self._varied_by)
-        self.used: set[str] = set()
-        _grow(self.used, nodes, self._used_by)
-        self.used &= self.varied
-
-    def _varied_by(self, node: ast.AST) -> set[str]:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            return {node.targets[0].id} if self.moves(node.value) else set()
-        return set()
-
-    def _used_by(self, node: ast.AST) -> set[str]:
-        if isinstance(node, ast.Assign):
-            target = node.targets[0]
-            if isinstance(target, ast.Name) and target.id not in self.used:
-                return set()
-            if isinstance(target, ast.Subscript) and self.is_count(target):
-                return set()
-            return self._names_in(node.value)
-        if isinstance(node, ast.Return) and node.value is not None:
-            return self._names_in(node.value)
-        if isinstance(node, ast.Call) and self.kernel_of(node) and self.moves(node):
-            return {name for argument in node.args for name in self._names_in(argument)}
-        return set()
-
-    def _names_in(self, node: ast.expr) -> set[str]:
-        """Names whose tangents contribute to the tangent of a value."""
-        if not self.moves(node):
-            return set()
-        node = self.exactly(node)
-        if isinstance(node, ast.Name):
-            return {node.id}
-        return {name for part in _parts(node) for name in self._names_in(part)}
+        for _ in pairs:  # a value may depend on one that is assigned further below, in a loop
+            self.varied |= {name for name, value in pairs if self.moves(value)}
 
     def moves(self, node: ast.expr) -> bool:
         """Whether a value has a tangent, or a call sets one."""
@@ -124,17 +95,6 @@ class Activity(Kernel):
                 self.modules.add(home)
                 name.id = f"{home}.{name.id}"
         return ast.unparse(tree)
-
-
-def _grow(
-    names: set[str], nodes: list[ast.AST], further: Callable[[ast.AST], Iterable[str]]
-) -> None:
-    """Add names until no node yields a new one."""
-    while True:
-        found = {name for node in nodes for name in further(node)}
-        if found <= names:
-            return
-        names |= found
 
 
 def _homes(module: Any) -> dict[str, str]:

@@ -4,7 +4,7 @@ Before ``x = f(y, z)`` the statement ``x_t = df/dy y_t + df/dz z_t`` is added. I
 numbers and are the same for every direction (`frictionjoint.law.tangents.direction`). Arrays P and
 X get arrays P_t and X_t of tangents. A call passes numbers with their tangents and returns both.
 Tests and counts have no tangent and stay as they are, so the derivative is one-sided at a sample
-where an event happens. Tangents that nothing uses are left out.
+where an event happens.
 
 Supported are scalar arithmetic, `while`, `for ... in range`, `if`, calls of other kernels, `math`,
 and array elements. Anything else is an error, never a guess. An equality test of a number with a
@@ -66,8 +66,8 @@ class Differentiated:
         self.wanted = wanted
         self.calls: list[tuple[Any, frozenset[str], bool]] = []
         self.made = 0
-        used = self.activity.used - moving
-        still = [f"{name}_t = ZERO" for name in self.activity.arguments if name in used]
+        set_later = self.activity.varied - moving
+        still = [f"{name}_t = ZERO" for name in self.activity.arguments if name in set_later]
         lines = [*still, *self._statements(self.activity.body)]
         self.source = self._head(kernel, moving) + "\n".join(_indented(lines))
 
@@ -132,7 +132,7 @@ class Differentiated:
             array, index = ast.unparse(target.value), self.activity.as_is(target.slice)
             put = f"put({array}_t, {index}, {combined(terms)})"
             return [*before, put, f"{place} = {text(new)}"]
-        if place not in self.activity.used:
+        if place not in self.activity.varied:
             return [f"{place} = {self.activity.as_is(value)}"]
         if (
             isinstance(value, ast.Call)
