@@ -98,11 +98,8 @@ def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -
 
 
 def toml_text_without_scale(parameters: Friction, unit: str) -> str:
-    """Text of friction that is known in amperes or volts only; `read_parameters` rejects it.
-
-    Args:
-        unit: A or V; rad or m for friction divided by an unknown kp.
-    """
+    """Text of friction that is known in A or V only, or in rad or m where kp is not known;
+    `read_parameters` rejects it."""
     comment = f"Joint friction in {unit}: its logs do not determine N m/{unit}."
     return tomlkit.dumps(_document(comment, {"unit": unit, **parameters.to_dict()}))
 

@@ -54,10 +54,8 @@ class Library:
 
 
 def load(kernel: str = "") -> Library:
-    """The library of this package.
+    """The library of this package; `kernel`: module and name of one that it must contain.
 
-    Args:
-        kernel: module and name of a kernel that it must contain.
     Raises:
         RuntimeError: no library contains the kernel, or the library could not be built.
     """

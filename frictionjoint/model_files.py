@@ -44,11 +44,7 @@ def compile_model(model: str | Path) -> mujoco.MjModel:
 
 
 def compiled_copy(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """Compile a spec as it is, without changing it.
-
-    Raises:
-        ModelError: MuJoCo cannot compile it.
-    """
+    """Compile a spec as it is, without changing it; ModelError if MuJoCo cannot."""
     try:
         with as_python_warnings(), compiling():
             return spec.copy().compile()

@@ -49,8 +49,7 @@ _allowed = int(os.environ.get("FRICTIONJOINT_THREADS") or _cores())
 
 
 def allow(threads: int) -> None:
-    """Set the number of threads; initially ``FRICTIONJOINT_THREADS``, or one per core of the
-    process."""
+    """Set the number of threads, at first ``FRICTIONJOINT_THREADS`` or one per core."""
     global _allowed
     _allowed = threads
 

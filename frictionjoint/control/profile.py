@@ -22,12 +22,9 @@ def held(time: Array, x: Array, at: Array) -> Array:
 
 
 def held_over(time: Array, command: Array, begin: Array, length: float) -> Array:
-    """Mean over intervals of a command that is held between samples, shape of `begin`.
+    """Mean over intervals, s, of a command that is held between samples, shape of `begin`.
 
     The mean is a smooth function of `begin`, and so of a delay below one sample.
-
-    Args:
-        begin, length: of the intervals, s.
     """
     area = np.append(0.0, np.cumsum(np.diff(time) * command[:-1]))
     first = area[1] / (time[1] - time[0])
@@ -40,11 +37,8 @@ def held_over(time: Array, command: Array, begin: Array, length: float) -> Array
 
 
 def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
-    """Position at other times of a target that moves to each command with limited speed.
-
-    Args:
-        rate: speed of the target, rad/s (m/s); inf gives `held`.
-    """
+    """Position at other times of a target that moves to each command at up to `rate`, rad/s (m/s);
+    inf gives `held`."""
     if math.isinf(rate):
         return held(time, command, at)
     path = np.empty((2, 2 * len(time)))
@@ -56,10 +50,7 @@ def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
 def fill_path(time: Vector, command: Vector, n: int, rate: float, path: Array) -> int:
     """Fill the rows of `path`, shape (4, at least 2 n), with the corners of a target.
 
-    Rows: times, positions, speeds after each corner, and the area before it.
-
-    Returns:
-        the number of corners.
+    Rows: times, positions, speeds after each corner, and the area before it. Returns their number.
     """
     count = n
     ramps = rate != math.inf
@@ -96,11 +87,7 @@ def area_until(path: Array, i: int, t: float) -> float:
 
 @in_line
 def last_before(at: Vector, n: int, t: float, near: int) -> int:
-    """Index of the last of n increasing times that is not after t, or 0.
-
-    Args:
-        near: index at which the search begins.
-    """
+    """Index of the last of n increasing times that is not after t, or 0; sought from `near` on."""
     while near + 1 < n and at[near + 1] <= t:
         near += 1
     while near > 0 and at[near] > t:

@@ -55,10 +55,7 @@ class Commands:
         return np.where(self.on, drive, 0.0)
 
     def mean_drive(self, block: Array | None = None, delay: float | None = None) -> Array:
-        """Mean drive around each sample, for this controller or another block or delay.
-
-        Mean over half a sample on either side, see `mean_drive`.
-        """
+        """Mean drive over half a sample on either side, for this or another block or delay."""
         delay = self.delay if delay is None else delay
         block = self.block if block is None else block
         return AllCommands([self]).mean_drive(block[None], np.array([delay]))
@@ -95,10 +92,7 @@ class AllCommands:
         """Change of the drive per change of position, per rad (m), shape (n,).
 
         The position change is constant in time. The integral part is left out, because it would
-        grow without limit.
-
-        Args:
-            blocks, delays: as in `mean_drive`.
+        grow without limit. For the arguments see `mean_drive`.
         """
         blocks = blocks.copy()
         blocks[:, k.KI] = 0.0
@@ -108,11 +102,7 @@ class AllCommands:
         return (less - more) / (2.0 * nudge)
 
     def damping(self, blocks: Array, delays: Array) -> Array:
-        """Decrease of the drive per increase of velocity, per rad/s (m/s), shape (n,).
-
-        Args:
-            blocks, delays: as in `mean_drive`.
-        """
+        """Decrease of the drive per increase of velocity, per rad/s (m/s), shape (n,)."""
         less, more = (self.mean_drive(blocks, delays, faster=way * _NUDGE) for way in (-1.0, 1.0))
         return (less - more) / (2.0 * _NUDGE)
 

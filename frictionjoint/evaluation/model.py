@@ -120,11 +120,7 @@ class EvaluatedModel:
 
 
 def require_joint(model: mujoco.MjModel, joint: str) -> int:
-    """Index of a hinge or slide joint.
-
-    Raises:
-        ModelError: the model has no such joint with that name.
-    """
+    """Index of a hinge or slide joint; ModelError if the model has none of that name."""
     j: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
     if j < 0 or int(model.jnt_type[j]) not in ONE_DOF:
         names = [joint_label(model, i) for i in range(model.njnt)]

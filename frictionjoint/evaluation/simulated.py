@@ -58,10 +58,8 @@ def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, A
 def closed_loop(
     m: EvaluatedModel, recording: Recording, controllers: Mapping[str, Controller]
 ) -> dict[str, Array]:
-    """Simulate a log from its target: controller, actuator, friction and load.
+    """Simulate a log from its target, with a controller for every joint that is evaluated.
 
-    Args:
-        controllers: one for every joint that is evaluated.
     Returns:
         simulated position by joint, at the times of the recording, shape (n,).
     """

@@ -43,10 +43,9 @@ _ELSEWHERE = {"mechanism": "between motor and link", "sensors": "in the instrume
 
 @dataclass(frozen=True)
 class CJoint:
-    """One joint in the header.
+    """One joint in the header: its name in C, and its numbers as text, each with a description.
 
     Attributes:
-        identifier: its name in C. numbers: as text, each with a description.
         effects: index at which the effects' numbers begin. state: doubles of memory.
         surroundings: whether an effect needs more than the motion.
     """
@@ -60,11 +59,8 @@ class CJoint:
 
 
 def header(friction: Mapping[str, JointFriction], guard: str) -> str:
-    """The text of the header.
+    """The text of the header for joints by name; `guard`: name of the file, for its include guard.
 
-    Args:
-        friction: by joint name, as `read_friction` gives it.
-        guard: name of the file, for the include guard.
     Raises:
         ModelError: two joints' names become one C identifier.
     """

@@ -29,10 +29,9 @@ _ROBOT = 1  # an actuator group
 
 @dataclass(frozen=True)
 class Loss:
-    """Losses of one joint along one motion.
+    """Losses of one joint along one motion, by their names.
 
     Attributes:
-        joint, motion: names. unit: of the torques.
         torque: rms of the friction torque. torque_lost: rms of its error after the export.
         sliding_lost: the same in sliding alone, away from rest and reversals; None: no sliding.
         error: rms position error of the loop with our friction, rad (m). error_exported: with the

@@ -78,8 +78,8 @@ def plain_friction(carried: JointFriction, speeds: Array, terms: int = 1) -> Pla
     """The plain joint nearest to a joint's friction over given speeds, by least squares.
 
     Args:
-        speeds: rad/s, > 0, repeated by their frequency.
-        terms: largest number of damping coefficients; more than one only if it improves the fit.
+        speeds: rad/s, > 0, as often as they occur. terms: most damping coefficients, used if the
+            fit improves.
     Raises:
         ParameterError: no speed is above zero.
     """

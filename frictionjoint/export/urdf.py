@@ -23,11 +23,10 @@ _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 
 
 def urdf_text(model: mujoco.MjModel, friction: Mapping[str, PlainFriction], note: str) -> str:
-    """The URDF of a compiled model.
+    """The URDF of a compiled model, with friction by joint in addition to the model's native one.
 
     Args:
-        model: without the exported friction; its native friction is added.
-        friction: by joint name. note: a comment at the top.
+        note: a comment at the top.
     Raises:
         ModelError: a ball joint, or a free joint that is not at a root.
     """

@@ -261,11 +261,8 @@ def _check_block(
 
 
 def read_effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
-    """Read a block of effects: their count, then id, length and numbers of each.
-
-    Raises:
-        ModelError: damaged, in `where`.
-    """
+    """Read a block of effects: their count, then id, length and numbers of each; a ModelError that
+    names `where` if it is damaged."""
     known = {float(effect.effect_id): effect for effect in SIMULATED}
     found, at = [], 1
     while np.isfinite(numbers).all() and at + 1 < len(numbers):

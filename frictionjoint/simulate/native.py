@@ -201,11 +201,7 @@ def both(m: Address, d: Address) -> None:
 
 
 def build_both(first: int) -> Any:
-    """The callback `both`, as a ctypes function of its own.
-
-    Args:
-        first: address of the user's callback; there is one for the process.
-    """
+    """The callback `both` with the address of a user's callback, one for the process."""
     build_native()
     first_callback.bind(first)
     return CALLBACK(entry_point(both))

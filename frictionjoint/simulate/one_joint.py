@@ -156,14 +156,12 @@ def simulate(
 
 
 class _Given(NamedTuple):
-    """Constants of a run.
+    """Constants of a run; for those not named here see `JointModel`, `Run` and `Load`.
 
     Attributes:
-        P: block of the law, then of the effects. effects: where those begin.
-        B: block of the controller. motor: gain, back-EMF, inertia and lag, in steps.
-        load: see `Load.numbers`. body: armature, stiffness and rest of `Load`.
-        step, target, supply, on: see `Run`. q, v: measured motion, shape (n,), or (0,) without.
-        temperature, thermal: see `Run` and `JointModel`; empty if it was not measured.
+        P: numbers of the model. B: block of the controller.
+        motor: gain, back-EMF, inertia and lag, in steps. body: armature, stiffness and rest.
+        q, v: measured motion, shape (n,), or (0,) without. temperature, thermal: empty without.
         began: whether the drive starts at the first step; then a lag finds no earlier drive.
     """
 

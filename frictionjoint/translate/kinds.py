@@ -72,11 +72,7 @@ HEADER = Dialect("int", header=True)
 
 
 def kind_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> str | None:
-    """Kind for an annotation; None if the annotation is not one of a kernel.
-
-    Args:
-        aliases: objects by name in the module of the function.
-    """
+    """Kind for an annotation, with the objects of its module; None if it is not one of a kernel."""
     if annotation is None:
         return None
     text = ast.unparse(annotation)
@@ -111,11 +107,7 @@ def is_structure(kind: str | None) -> bool:
 
 @functools.cache
 def fields_of(named: Any) -> dict[str, str]:
-    """Kinds of the fields of a NamedTuple.
-
-    Raises:
-        ValueError: a field has a kind that is not supported.
-    """
+    """Kinds of the fields of a NamedTuple; ValueError if one is not supported."""
     tree = ast.parse(textwrap.dedent(inspect.getsource(named))).body[0]
     assert isinstance(tree, ast.ClassDef)
     aliases = vars(sys.modules[named.__module__])
