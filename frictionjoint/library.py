@@ -59,17 +59,13 @@ def load(kernel: str = "") -> Library:
     Raises:
         RuntimeError: no library contains the kernel, or the library could not be built.
     """
+    if kernel and kernel not in _load().entries and _is_source_tree():
+        # in a file that had none when the library was built
+        _load.cache_clear()
+        _rebuild()
     found = _load()
     if kernel and kernel not in found.entries:
-        if _is_source_tree():
-            # in a file that had none when the library was built
-            _load.cache_clear()
-            _rebuild()
-            found = _load()
-        if kernel not in found.entries:
-            raise RuntimeError(
-                f"{found.path} lacks the kernel {kernel}: install frictionjoint again"
-            )
+        raise RuntimeError(f"{found.path} lacks the kernel {kernel}: install frictionjoint again")
     return found
 
 

@@ -271,12 +271,7 @@ class FrictionParameters(StribeckFriction):
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> Self:
-        """Inverse of `to_dict`; it takes a presliding `stiffness` in place of the knots too.
-
-        Raises:
-            ParameterError: a key is unknown or missing, or a value out of range.
-            TypeError: `values` is no dict.
-        """
+        """`Friction.from_dict`; takes a presliding `stiffness`, N m/rad, in place of knots too."""
         require_table(values)
         given = dict(values)
         if "stiffness" in given:

@@ -1,7 +1,8 @@
 """Parameters of the other friction laws, one frozen class per law.
 
 Torques are magnitudes in N m, also for the negative direction; for a slide joint read N for N m and
-m for rad. Every class raises `ParameterError`, naming the value and its range.
+m for rad. Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`. Every class
+raises `ParameterError`, naming the value and its range.
 """
 
 import dataclasses
@@ -78,8 +79,6 @@ class _Bristle(_Stribeck):
 class StaticParameters(_Stribeck):
     """Coulomb, Stribeck and viscous torque as a function of velocity (see ``law.static``).
 
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
-
     Attributes:
         V0: rad/s, > 0; below this speed the torque falls linearly to zero.
     """
@@ -99,8 +98,6 @@ class StaticParameters(_Stribeck):
 @dataclass(frozen=True, kw_only=True)
 class ArmstrongParameters(_Bristle):
     """Linear presliding spring with breakaway, Armstrong-Helouvry (1991), ``law.armstrong``.
-
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
         sigma0: stiffness before breakaway, N m/rad, > 0.
@@ -154,8 +151,6 @@ class DahlParameters(_Rival):
 class DahlStribeckParameters(_Stribeck):
     """Dahl's hysteresis scaled by the Stribeck curve, ``law.dahl_stribeck``.
 
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
-
     Attributes:
         sigma0: stiffness at zero torque and low speed, N m/rad, > 0.
         i: exponent, 0 <= i <= 10; 0 is a spring with a limit, 1 the usual exponential.
@@ -178,8 +173,6 @@ class DahlStribeckParameters(_Stribeck):
 class LuGreParameters(_Bristle):
     """LuGre (Canudas de Wit et al. 1995), ``law.lugre``.
 
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
-
     Attributes:
         sigma0: bristle stiffness, N m/rad, > 0.
         sigma1: bristle damping, N m s/rad, >= 0.
@@ -194,8 +187,6 @@ class LuGreParameters(_Bristle):
 @dataclass(frozen=True, kw_only=True)
 class ElastoplasticParameters(_Bristle):
     """Elasto-plastic friction (Dupont et al. 2002), ``law.elastoplastic``.
-
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
         sigma0: bristle stiffness, N m/rad, > 0.
@@ -215,8 +206,6 @@ class ElastoplasticParameters(_Bristle):
 @dataclass(frozen=True, kw_only=True)
 class MaxwellSlipParameters(_Stribeck):
     """Generalized Maxwell-slip (Al-Bender, Lampaert and Swevers 2005), ``law.maxwell_slip``.
-
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
         elements: ((k, fraction), ...), 1 to 16 elements; k in N m/rad, > 0, fractions of the level

@@ -14,19 +14,13 @@ from frictionjoint.arrays import Array
 from frictionjoint.describe import effect_texts
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
-from frictionjoint.export import c, scripts
+from frictionjoint.export import c, scripts, sliding
 from frictionjoint.export.losses import Loss, losses
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
 from frictionjoint.export.native import add_plain
-from frictionjoint.export.sliding import (
-    PlainFriction,
-    levels,
-    plain_friction,
-    speeds_above_stribeck,
-    stribeck_velocity,
-)
+from frictionjoint.export.sliding import PlainFriction
 from frictionjoint.export.targets import FILES, Target
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
@@ -128,10 +122,10 @@ def export(
     def over(name: str) -> Array:
         # Isaac has the fall from rest to sliding in a number of its own
         law = friction[name].parameters
-        falls = stribeck_velocity(law) is not None
-        return speeds_above_stribeck(law) if fast and falls else motions[name].speeds
+        falls = sliding.stribeck_velocity(law) is not None
+        return sliding.speeds_above_stribeck(law) if fast and falls else motions[name].speeds
 
-    plain = {name: plain_friction(friction[name], over(name), terms) for name in motions}
+    plain = {name: sliding.plain_friction(friction[name], over(name), terms) for name in motions}
     progress("losses along a motion")
     bare = task.spec().compile()
     actuators: dict[str, Array] = {}
@@ -258,7 +252,7 @@ def _lost(
             what.append("the memory of reversals")
         elif not task.yielding and law.stiffness > 0.0:
             what.append("presliding with its memory")
-        if not task.lugre and any(Fs > Fc for Fs, Fc, *_ in levels(law).values()):
+        if not task.lugre and any(Fs > Fc for Fs, Fc, *_ in sliding.levels(law).values()):
             isaac = task.target == "isaac"
             what.append(
                 "the fall of friction between rest and sliding"

@@ -114,41 +114,18 @@ class WarpFriction:
             self._mjw.mul_m(m, d, self._moved, d.qacc)
         bit = self._mjw.DisableBit
         drives = not m.opt.disableflags & bit.ACTUATION
-        self._launch(
-            self._friction,
-            [
-                *where,
-                self._loads,
-                m.opt.timestep,
-                m.dof_invweight0,
-                m.M_rowadr,
-                m.M_rownnz,
-                m.dof_armature,
-                m.jnt_bodyid,
-                m.jnt_axis,
-                m.opt.gravity,
-                d.time,
-                d.qpos,
-                d.qvel,
-                d.qfrc_bias,
-                self._moved,
-                d.qacc,
-                d.qfrc_constraint,
-                d.xaxis,
-                d.xmat,
-                self._motor_first if drives else self._no_motor,
-                self._motors,
-                not m.opt.disableflags & bit.CLAMPCTRL,
-                d.ctrl,
-                m.actuator_ctrllimited,
-                m.actuator_ctrlrange,
-                m.actuator_gear,
-                m.actuator_gainprm,
-                m.actuator_biasprm,
-                self.state,
-            ],
-            [d.M, self._of_effects, d.qfrc_passive],
-        )
+        body = [m.opt.timestep, m.dof_invweight0, m.M_rowadr, m.M_rownnz, m.dof_armature]
+        gravity = [m.jnt_bodyid, m.jnt_axis, m.opt.gravity]
+        motion = [d.time, d.qpos, d.qvel, d.qfrc_bias, self._moved, d.qacc, d.qfrc_constraint]
+        motors = [
+            *(self._motor_first if drives else self._no_motor, self._motors),
+            *(not m.opt.disableflags & bit.CLAMPCTRL, d.ctrl),
+            *(m.actuator_ctrllimited, m.actuator_ctrlrange),
+            *(m.actuator_gear, m.actuator_gainprm, m.actuator_biasprm),
+        ]
+        inputs = [*where, self._loads, *body, *gravity, *motion, d.xaxis, d.xmat, *motors]
+        outputs = [d.M, self._of_effects, d.qfrc_passive]
+        self._launch(self._friction, [*inputs, self.state], outputs)
         self._mjw.factor_m(m, d)
 
     def _launch(self, kernel: Any, inputs: list[Any], outputs: list[Any]) -> None:
