@@ -384,13 +384,10 @@ def test_a_world_gone_astray_neither_hangs_nor_spreads():
 # refusals
 
 
-def test_runge_kutta_is_refused():
+def test_runge_kutta_and_disabled_passive_forces_are_refused():
     mjm = arm("RK4")
     with pytest.raises(ModelError, match=r"does not support the integrator RK4: use EULER"):
         attach_warp(*worlds(mjm, 1), mjm)
-
-
-def test_disabled_passive_forces_are_refused():
     mjm = arm()
     mjm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SPRING
     mjm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_DAMPER
