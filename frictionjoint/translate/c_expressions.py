@@ -187,7 +187,7 @@ class Expressions(Kernel):
             return f"{self.text(node.value, _ATOM)}._{place(node.slice)}"
         parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         for part in parts:
-            if isinstance(part, ast.Slice) or _is_negative(part):
+            if isinstance(part, ast.Slice | ast.UnaryOp):
                 self.unknown(node)
         index = self.text(parts[0])
         for axis, part in enumerate(parts[1:], start=1):
@@ -348,7 +348,3 @@ class Expressions(Kernel):
 def safe(name: str) -> str:
     """A name that is not reserved in C."""
     return f"{name}_" if name in _RESERVED else name
-
-
-def _is_negative(node: ast.expr) -> bool:
-    return isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)

@@ -4,7 +4,6 @@ Kernels are static functions of one translation unit, so that the compiler can i
 library exports one wrapper function per kernel.
 """
 
-import ast
 from collections.abc import Mapping
 from typing import Any
 
@@ -42,13 +41,9 @@ def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Entry]]:
     for name, kernel in kernels.items():
         made = translation.made[kernel.py_func]
         shown.append(_shown(made))
-        listed[name] = Entry(f"fj_{made.name}_", _result(made), _parameters(made))
+        result = "bool" if made.python.__annotations__["return"] is bool else made.result
+        listed[name] = Entry(f"fj_{made.name}_", result, _parameters(made))
     return "\n".join([_HEAD, translation.text(), *shown]) + "\n", listed
-
-
-def _result(made: Expressions) -> str:
-    annotation = ast.unparse(made.tree.returns) if made.tree.returns else ""
-    return "bool" if annotation == "bool" else made.result
 
 
 def _parameters(made: Expressions) -> tuple[Parameter, ...]:

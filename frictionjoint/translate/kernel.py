@@ -5,6 +5,7 @@ a kernel may contain; anything else is an error, never a guess.
 """
 
 import ast
+import functools
 import inspect
 import math
 import textwrap
@@ -277,16 +278,10 @@ class Kernel:
         return equal if len(values) == 1 else None
 
 
-_signatures: dict[Any, Kernel] = {}
-
-
+@functools.cache
 def signature(function: Any) -> Kernel:
     """Kinds of the arguments and the result of a kernel or another annotated function."""
-    stub = function.stub if isinstance(function, External) else function
-    plain_function = getattr(stub, "py_func", stub)
-    if plain_function not in _signatures:
-        _signatures[plain_function] = Kernel(stub)
-    return _signatures[plain_function]
+    return Kernel(function.stub if isinstance(function, External) else function)
 
 
 def is_kernel(value: Any) -> bool:

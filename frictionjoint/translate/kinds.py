@@ -131,11 +131,7 @@ def row_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> int:
 
 def tuple_of(kinds: Iterable[str]) -> str:
     """Kind of a tuple of values of the given kinds."""
-    return TUPLE + _mangled(kinds)
-
-
-def _mangled(kinds: Iterable[str]) -> str:
-    return f"T{''.join(_LETTERS.get(k) or k.removeprefix(TUPLE) for k in kinds)}E"
+    return f"{TUPLE}T{''.join(_LETTERS.get(k) or k.removeprefix(TUPLE) for k in kinds)}E"
 
 
 AXES = 3
