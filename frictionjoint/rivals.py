@@ -107,14 +107,23 @@ class ArmstrongParameters(_Bristle):
     number: ClassVar[int] = 3
 
 
-def _at_reversal(sigma0: float, i: float) -> float:
-    """Stiffness of Dahl's curve at a reversal, where w is 2, N m/rad."""
-    rise: float = 2.0**i
-    return sigma0 * rise
+class _DahlCurve:
+    """What Dahl's curve has, on any level; its fields are declared where their order is known."""
+
+    sigma0: float
+    i: float
+
+    own: ClassVar[tuple[str, ...]] = ("sigma0", "i")
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness at a reversal of a symmetric joint, N m/rad: there w is 2."""
+        rise: float = 2.0**self.i
+        return self.sigma0 * rise
 
 
 @dataclass(frozen=True, kw_only=True)
-class DahlParameters(_Rival):
+class DahlParameters(_DahlCurve, _Rival):
     """Dahl's law (1968), ``law.dahl``.
 
     Attributes:
@@ -134,12 +143,6 @@ class DahlParameters(_Rival):
 
     law: ClassVar[str] = "dahl"
     number: ClassVar[int] = 4
-    own: ClassVar[tuple[str, ...]] = ("sigma0", "i")
-
-    @property
-    def stiffness(self) -> float:
-        """Stiffness at a reversal of a symmetric joint, N m/rad."""
-        return _at_reversal(self.sigma0, self.i)
 
     def levels(self, side: str) -> list[float]:
         """The numbers of a direction; the law has no Stribeck effect."""
@@ -148,7 +151,7 @@ class DahlParameters(_Rival):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DahlStribeckParameters(_Stribeck):
+class DahlStribeckParameters(_DahlCurve, _Stribeck):
     """Dahl's hysteresis scaled by the Stribeck curve, ``law.dahl_stribeck``.
 
     Attributes:
@@ -161,12 +164,6 @@ class DahlStribeckParameters(_Stribeck):
 
     law: ClassVar[str] = "dahl_stribeck"
     number: ClassVar[int] = 8
-    own: ClassVar[tuple[str, ...]] = ("sigma0", "i")
-
-    @property
-    def stiffness(self) -> float:
-        """Stiffness at a reversal of a symmetric joint, N m/rad."""
-        return _at_reversal(self.sigma0, self.i)
 
 
 @dataclass(frozen=True, kw_only=True)
