@@ -83,13 +83,10 @@ class Table:
 
     def __init__(self, name: str, size: int) -> None:
         self.name, self.size = name, size
-        self._plain = np.zeros(size, dtype=np.int64)
 
     @functools.cached_property
     def numbers(self) -> Any:
         """The table itself, int64, shape (size,)."""
-        if PLAIN:
-            return self._plain
         held: Any = (ctypes.c_int64 * self.size).in_dll(load().shared, f"fj_{self.name}")
         return np.frombuffer(held, dtype=np.int64)
 

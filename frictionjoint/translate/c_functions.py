@@ -101,7 +101,9 @@ class _Function(Expressions):
         self.read(known)
         self.declared: set[str] = set(self.parameters)
         # arrays that this function creates; each exists as long as its block
-        self.rooms = {to for to, value in self._assigned() if self._is_room(value)}
+        nodes = [n for statement in self.body for n in ast.walk(statement)]
+        assigned = [n for n in nodes if isinstance(n, ast.Assign)]
+        self.rooms = {ast.unparse(n.targets[0]) for n in assigned if self._is_room(n.value)}
         for kind in (*self.kinds.values(), self.result):
             self.noted(kind)
 
@@ -126,11 +128,6 @@ class _Function(Expressions):
         const = self.dialect.header and kind == REALS and name not in self.written
         own = f"{'const ' if const else ''}{self.dialect.declared(kind)}{safe(name)}"
         return [own, *(f"{whole} {safe(name)}_n{k}" for k in sorted(self.axes.get(name, ())))]
-
-    def _assigned(self) -> list[tuple[str, ast.expr]]:
-        nodes = (n for statement in self.body for n in ast.walk(statement))
-        assigned = [n for n in nodes if isinstance(n, ast.Assign)]
-        return [(ast.unparse(n.targets[0]), n.value) for n in assigned]
 
     def _is_room(self, value: ast.expr) -> bool:
         return isinstance(value, ast.Call) and self.called(value) is room

@@ -216,7 +216,9 @@ class Kernel:
                 pairs += [(each, i, value) for i, each in enumerate(many)] or [(to, -1, value)]
             elif isinstance(node, ast.For) and isinstance(node.target, ast.Name):
                 self.counters.add(node.target.id)
-                self.kinds.setdefault(node.target.id, self._kind_of_counter(node.iter))
+                of_range = isinstance(node.iter, ast.Call)
+                real = not of_range and any(isinstance(x, float) for x in self.look_up(node.iter))
+                self.kinds.setdefault(node.target.id, DOUBLE if real else WHOLE)
         own = set(self.kinds)
         for _ in pairs:
             before = dict(self.kinds)
@@ -229,11 +231,6 @@ class Kernel:
                         self.kinds[to.id] = kind
             if before == self.kinds:
                 break
-
-    def _kind_of_counter(self, node: ast.expr) -> str:
-        if isinstance(node, ast.Call):
-            return WHOLE
-        return DOUBLE if any(isinstance(x, float) for x in self.look_up(node)) else WHOLE
 
     # the body
 

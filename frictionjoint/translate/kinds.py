@@ -16,13 +16,8 @@ from typing import Any
 from frictionjoint.compiled import TUPLE, elements, is_tuple
 
 DOUBLE, WHOLE, NOTHING = "double", "int", "void"
-REALS, WHOLES, FLAGS, SHORTS, ADDRESS = (
-    "double *",
-    "int64_t *",
-    "uint8_t *",
-    "int32_t *",
-    "char *",
-)
+REALS, WHOLES, FLAGS = "double *", "int64_t *", "uint8_t *"
+SHORTS, ADDRESS = "int32_t *", "char *"
 POINTERS = {REALS: DOUBLE, WHOLES: WHOLE, FLAGS: WHOLE, SHORTS: WHOLE, ADDRESS: WHOLE}
 """Kinds of arrays, and the kind of their elements."""
 _STRUCTURE = "fj_struct_"
