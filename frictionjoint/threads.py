@@ -74,8 +74,4 @@ def threads_here() -> int:
 @functools.lru_cache(maxsize=1)
 def _pool(process: int, threads: int) -> ThreadPoolExecutor:
     """The threads of a process; a forked process gets its own."""
-    return ThreadPoolExecutor(threads, initializer=_enter)
-
-
-def _enter() -> None:
-    _busy.inside = True
+    return ThreadPoolExecutor(threads, initializer=setattr, initargs=(_busy, "inside", True))

@@ -92,7 +92,10 @@ class EvaluatedModel:
         takes = named or [
             i
             for i in own
-            if (_is_dcmotor(self.model, i) and _constant(self.model, i) > _NO_CONSTANT)
+            if (
+                _is_dcmotor(self.model, i)
+                and abs(self.model.actuator_gainprm[i, _CONSTANT]) > _NO_CONSTANT
+            )
             or (self.model.actuator_gaintype[i] == fixed and not self.model.actuator_biasprm[i, 1])
         ]
         if len(takes) != 1:
@@ -172,7 +175,3 @@ def _yielding_tendons(model: mujoco.MjModel, joint: int) -> int:
 def _is_dcmotor(model: mujoco.MjModel, i: int) -> bool:
     kind = getattr(mujoco.mjtGain, "mjGAIN_DCMOTOR", None)
     return kind is not None and model.actuator_gaintype[i] == int(kind)
-
-
-def _constant(model: mujoco.MjModel, i: int) -> float:
-    return float(np.abs(model.actuator_gainprm[i, _CONSTANT]))

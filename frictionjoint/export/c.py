@@ -10,8 +10,6 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from frictionjoint.arrays import Array
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.signals import GEAR, GX, GY, LOAD, MOTOR, TEMP
@@ -127,7 +125,7 @@ def _joint(name: str, carried: JointFriction) -> CJoint:
     return CJoint(
         name=name,
         identifier=_identifier(name),
-        numbers=tuple(zip(map(_number, values), labels, strict=True)),
+        numbers=tuple(zip((repr(float(x)) for x in values), labels, strict=True)),
         effects=len(law),
         state=row_size(int(law_row_size(law, 0)), len(carried.effects)),
         surroundings=any(_AROUND & set(e.effect.needs) for e in carried.effects),
@@ -148,10 +146,6 @@ def _law_labels(parameters: Friction, block: Array) -> list[str]:
         pairs = range(len(parameters.elements))
         own = ["C", "elements", *(f"{x}[{i}]" for i in pairs for x in ("k", "share"))]
     return [first, "sigma1", *LEVEL_FIELDS, *own]
-
-
-def _number(value: float) -> str:
-    return repr(float(np.float64(value)))
 
 
 def _identifier(name: str) -> str:

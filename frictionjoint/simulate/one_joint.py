@@ -183,13 +183,6 @@ class _Given(NamedTuple):
 
 
 @in_line
-def _warm(given: _Given, X: Vector, k: int) -> None:
-    """Write the temperature of step k into the effects' memory."""
-    for i in range(len(given.thermal)):
-        X[int(given.thermal[i, 0])] = given.temperature[k] - given.thermal[i, 1]
-
-
-@in_line
 def _load_torque(load: Array, body: Array, i: int, q: float, c: float, s: float) -> float:
     """Torque of the rigid body and of the MJCF's spring at step i; c, s: cosine, sine of q."""
     return float(load[COS, i] * c + load[SIN, i] * s + load[REST, i] + body[1] * (q - body[2]))
@@ -214,7 +207,8 @@ def _effects(
     gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
     gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
     behind = load[INERTIA, i] - body[0]
-    _warm(given, X, k)
+    for j in range(len(given.thermal)):  # the measured temperature, into the effects' memory
+        X[int(given.thermal[j, 0])] = given.temperature[k] - given.thermal[j, 1]
     return effects_torque(
         given.P, 0, given.effects, X, 0, t, q, v, bias, behind, body[0], gx, gy, asked
     )

@@ -66,14 +66,6 @@ def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
 
 
 @in_line
-def forget_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
-    """Reset the effects' memory, committed and evaluated, to that of a joint never moved."""
-    memory = x + FRONT + law_row_size(P, p)
-    for i in range(2 * MEMORY * int(P[effects])):
-        X[memory + i] = 0.0
-
-
-@in_line
 def torque_now(
     P: Vector, p: int, effects: int, X: Vector, x: int, t: float, q: float, v: float, step: float
 ) -> float:
@@ -96,7 +88,9 @@ def torque_now(
         X[x + TORQUE_COMMITTED] = 0.0
         X[x + GAIN_COMMITTED] = 0.0
         start_row(P, p, X, law)
-        forget_effects(P, p, effects, X, x)
+        memory = law + law_row_size(P, p)
+        for i in range(2 * MEMORY * int(P[effects])):
+            X[memory + i] = 0.0
     elif gap > 0.0:
         if X[x + T_EVALUATED] > X[x + T_COMMITTED]:
             commit(P, p, X, law)
