@@ -42,16 +42,10 @@ def require_data(data: Any, model: Any, function: str) -> None:
         ModelError: the data belong to another model. TypeError: not an MjData or MjModel.
     """
     require_model(model, function)
-    if isinstance(data, mujoco.MjData):
-        _require_own(data, function, model)
-        return
-    fix = "give mujoco.MjData(model)"
-    if isinstance(getattr(data, "ptr", None), mujoco.MjData):
-        fix = "give its .ptr, the MjData within"
-    raise TypeError(f"{function} takes a mujoco.MjData, not {kind_of(data)}: {fix}")
-
-
-def _require_own(data: mujoco.MjData, function: str, model: mujoco.MjModel) -> None:
+    if not isinstance(data, mujoco.MjData):
+        within = isinstance(getattr(data, "ptr", None), mujoco.MjData)
+        fix = "give its .ptr, the MjData within" if within else "give mujoco.MjData(model)"
+        raise TypeError(f"{function} takes a mujoco.MjData, not {kind_of(data)}: {fix}")
     fix = "give the data of this model, made by mujoco.MjData(model)"
     for name, own in (("qpos", model.nq), ("qvel", model.nv), ("userdata", model.nuserdata)):
         there = len(getattr(data, name))

@@ -3,16 +3,7 @@
 from frictionjoint.arrays import Index, Vector
 from frictionjoint.compiled import compiled, pointer
 from frictionjoint.law.secant import secant
-from frictionjoint.simulate.row import (
-    FRONT,
-    GAIN,
-    STARTED,
-    T_COMMITTED,
-    T_EVALUATED,
-    TORQUE,
-    V_COMMITTED,
-    torque_now,
-)
+from frictionjoint.simulate import row
 
 # a joint's state: time and position as counted here, position given last and the step taken then,
 # the row of `simulate.row`
@@ -40,8 +31,8 @@ def step_joint(
         P: block of the law at p, number of effects (none) at `effects`. X: state at x.
         rounding: relative rounding of positions; 0: double precision.
     """
-    row = x + ROW
-    if X[row + STARTED] == 0.0:
+    at = x + ROW
+    if X[at + row.STARTED] == 0.0:
         X[x + CLOCK] = 0.0
         X[x + PLACE] = q
     else:
@@ -56,17 +47,17 @@ def step_joint(
         X[x + PLACE] = X[x + PLACE] + way
     X[x + SHOWN] = q
     X[x + STEP] = h
-    F = torque_now(P, p, effects, X, row, X[x + CLOCK], X[x + PLACE], v, 0.0)
+    F = row.torque_now(P, p, effects, X, at, X[x + CLOCK], X[x + PLACE], v, 0.0)
     if F != F:
         return F, 0.0, 0.0
-    since = X[row + T_EVALUATED] - X[row + T_COMMITTED]
+    since = X[at + row.T_EVALUATED] - X[at + row.T_COMMITTED]
     # as the velocity changed over the last step it is expected to go on
     w = v
     if since > 0.0:
-        w = v + (v - X[row + V_COMMITTED]) * h / since
-    constant, K, D = secant(P, p, X, row + FRONT, h, w)
-    X[row + TORQUE] = constant
-    X[row + GAIN] = h * K + D
+        w = v + (v - X[at + row.V_COMMITTED]) * h / since
+    constant, K, D = secant(P, p, X, at + row.FRONT, h, w)
+    X[at + row.TORQUE] = constant
+    X[at + row.GAIN] = h * K + D
     return constant + D * v, K, D
 
 

@@ -79,21 +79,14 @@ def c_text(text: str) -> Callable[[_Function], _Function]:
 
 
 class Table:
-    """Integers that kernels read and Python sets, one table per process.
-
-    Args:
-        name: in the library. size: of the table.
-    """
+    """Integers that kernels read and Python sets, one table a process, by its name there."""
 
     def __init__(self, name: str, size: int) -> None:
         self.name, self.size = name, size
-        self._plain = np.zeros(size, dtype=np.int64)
 
     @functools.cached_property
     def numbers(self) -> Any:
         """The table itself, int64, shape (size,)."""
-        if PLAIN:
-            return self._plain
         held: Any = (ctypes.c_int64 * self.size).in_dll(load().shared, f"fj_{self.name}")
         return np.frombuffer(held, dtype=np.int64)
 
@@ -102,11 +95,8 @@ class Table:
 
 
 class External(Generic[_Arguments, _Result]):
-    """A C function from another library, which kernels call by its address.
-
-    Args:
-        stub: annotated function with its name and signature.
-    """
+    """A C function from another library, which kernels call by its address; `stub` has its name and
+    signature."""
 
     def __init__(self, stub: Callable[_Arguments, _Result]) -> None:
         self.stub, self.name = stub, stub.__name__

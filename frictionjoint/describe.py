@@ -12,11 +12,7 @@ _COMMENTED = ("Fc", "Fs", "Vs", "sigma2", "stiffness")
 
 
 def law_values(parameters: Friction, slide: bool) -> tuple[Value, ...]:
-    """Parameters of a law; one row where both directions are equal.
-
-    Args:
-        parameters: of any law. slide: whether the joint is one: N and m in place of N m and rad.
-    """
+    """Parameters of a law; one row where both directions are equal; of a slide in N and m."""
     numbers = {k: x for k, x in parameters.to_dict().items() if isinstance(x, float)}
     if parameters.stiffness > 0.0:
         numbers |= {"stiffness": parameters.stiffness}

@@ -1,7 +1,5 @@
 """Parameter files: TOML with the law's fields, and the effects under ``[[effects]]``."""
 
-import contextlib
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.errors import ParameterError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.laws import parameters_from_dict
+from frictionjoint.parameter_checks import check_number
 from frictionjoint.parameters import Friction
 from frictionjoint.structured_files import read_json, read_toml
 
@@ -79,17 +78,9 @@ def _effect(table: Any) -> SimulatedEffect:
     unknown = [key for key in table if key not in (*names, "effect", "form")]
     if unknown:
         raise ParameterError(f"effect {name}: unknown {unknown[0]!r}, it has {', '.join(names)}")
-    values = tuple(_number(name, key, table.get(key)) for key in names)
+    values = tuple(check_number(f"effect {name}: {key}", table.get(key)) for key in names)
     cut = len(effect.shape)
     return SimulatedEffect(effect, values[:cut], values[cut:])
-
-
-def _number(effect: str, key: str, value: Any) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        with contextlib.suppress(OverflowError):
-            if math.isfinite(value):
-                return float(value)
-    raise ParameterError(f"effect {effect}: {key} is {value!r}, give a finite number")
 
 
 def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -> str:
@@ -98,11 +89,8 @@ def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -
 
 
 def toml_text_without_scale(parameters: Friction, unit: str) -> str:
-    """Text of friction that is known in amperes or volts only; `read_parameters` rejects it.
-
-    Args:
-        unit: A or V; rad or m for friction divided by an unknown kp.
-    """
+    """Text of friction that is known in A or V only, or in rad or m where kp is not known;
+    `read_parameters` rejects it."""
     comment = f"Joint friction in {unit}: its logs do not determine N m/{unit}."
     return tomlkit.dumps(_document(comment, {"unit": unit, **parameters.to_dict()}))
 

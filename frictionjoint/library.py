@@ -54,24 +54,18 @@ class Library:
 
 
 def load(kernel: str = "") -> Library:
-    """The library of this package.
+    """The library of this package; `kernel`: module and name of one that it must contain.
 
-    Args:
-        kernel: module and name of a kernel that it must contain.
     Raises:
         RuntimeError: no library contains the kernel, or the library could not be built.
     """
+    if kernel and kernel not in _load().entries and _is_source_tree():
+        # in a file that had none when the library was built
+        _load.cache_clear()
+        _rebuild()
     found = _load()
     if kernel and kernel not in found.entries:
-        if _is_source_tree():
-            # in a file that had none when the library was built
-            _load.cache_clear()
-            _rebuild()
-            found = _load()
-        if kernel not in found.entries:
-            raise RuntimeError(
-                f"{found.path} lacks the kernel {kernel}: install frictionjoint again"
-            )
+        raise RuntimeError(f"{found.path} lacks the kernel {kernel}: install frictionjoint again")
     return found
 
 
@@ -124,11 +118,8 @@ def _is_source_tree() -> bool:
 
 def stamps(files: list[Path]) -> dict[str, list[int]]:
     """Size and time of change of files, by their place in the package."""
-    found = {}
-    for file in files:
-        stat = file.stat()
-        found[file.relative_to(_PACKAGE).as_posix()] = [stat.st_size, stat.st_mtime_ns]
-    return found
+    stats = {file.relative_to(_PACKAGE).as_posix(): file.stat() for file in files}
+    return {name: [stat.st_size, stat.st_mtime_ns] for name, stat in stats.items()}
 
 
 def _is_fresh() -> bool:

@@ -13,13 +13,11 @@ import mujoco
 def without_missing_meshes(
     spec: mujoco.MjSpec, folders: Iterable[Path]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Remove shapes whose mesh files are missing; the spec is changed in place.
+    """Remove shapes whose mesh files are in none of the folders; the spec is changed in place.
 
-    Args:
-        folders: folders to search for the spec's files.
     Returns:
-        names of the missing files whose shapes were removed, and of the missing files whose shapes
-            give a body its mass and were kept.
+        names of the files whose shapes were removed, and of those whose shapes give a body its mass
+            and were kept.
     """
     places = list(folders)
     missing = {}

@@ -18,8 +18,6 @@ from frictionjoint.urdf import with_found_meshes
 
 # kinds of joint with one degree of freedom
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-# what a model lacks that MuJoCo asks for by this setting's name
-_BALANCED = "balanceinertia"
 # what all functions of ctypes have as base, whatever their prototype
 _C_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
@@ -44,11 +42,7 @@ def compile_model(model: str | Path) -> mujoco.MjModel:
 
 
 def compiled_copy(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """Compile a spec as it is, without changing it.
-
-    Raises:
-        ModelError: MuJoCo cannot compile it.
-    """
+    """Compile a spec as it is, without changing it; ModelError if MuJoCo cannot."""
     try:
         with as_python_warnings(), compiling():
             return spec.copy().compile()
@@ -91,7 +85,12 @@ def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel
             if needed
             else ""
         )
-        how = _how_to_balance(urdf_given) if _BALANCED in str(error) else ""
+        how = ""
+        if "balanceinertia" in str(error):  # names a setting; where in the file it belongs:
+            setting, place = '<compiler balanceinertia="true"/>', "<mujoco>"
+            if urdf_given:
+                setting, place = f"<mujoco>{setting}</mujoco>", "<robot>"
+            how = f", write {setting} inside {place}"
         wrong = (not text and not_xml(model)) or f"MuJoCo cannot compile it: {error}{how}{looked}"
         raise ModelError(f"{source_name(model)}: {wrong}") from None
 
@@ -101,14 +100,6 @@ def not_xml(path: str | Path) -> str:
     with Path(path).open("rb") as file:
         is_xml = file.read(99).lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<")
     return "" if is_xml else "not a model: give the path of an MJCF or a URDF"
-
-
-def _how_to_balance(urdf: bool) -> str:
-    """Place in a file of the setting that MuJoCo names in its error."""
-    setting = f'<compiler {_BALANCED}="true"/>'
-    if urdf:
-        return f", write <mujoco>{setting}</mujoco> inside <robot>"
-    return f", write {setting} inside <mujoco>"
 
 
 def _warn_of_shapes(model: str | Path, left_out: tuple[str, ...]) -> None:

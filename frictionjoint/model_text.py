@@ -93,11 +93,7 @@ def placed(text: str, folder: Path) -> str:
 
 
 def require_compiles(path: Path) -> None:
-    """Check that MuJoCo can compile a written model with all its files.
-
-    Raises:
-        ModelError: it does not compile there.
-    """
+    """Raise ModelError unless MuJoCo can compile a written model with all its files."""
     with as_python_warnings(), compiling():
         try:
             mujoco.MjModel.from_xml_path(str(path))

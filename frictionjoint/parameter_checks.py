@@ -13,6 +13,7 @@ from frictionjoint.parameter_meanings import meaning
 SIDES = ("pos", "neg")
 # numbers that a law has for each direction; a file may give one for both
 LEVELS = ("Fs", "Fc", "Vs", "delta", "sigma2")
+LEVEL_FIELDS = tuple(f"{name}_{side}" for side in SIDES for name in LEVELS)
 
 
 def both_directions(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from frictionjoint.display import table
 from frictionjoint.errors import ParameterError
 from frictionjoint.parameter_checks import (
+    LEVEL_FIELDS,
     LEVELS,
     SIDES,
     both_directions,
@@ -44,8 +45,7 @@ _RANGES: dict[str, tuple[Callable[[float], bool], str]] = {
 }
 
 
-def damaged_block() -> ParameterError:
-    """The error for a block that `pack` has not written."""
+def _damaged() -> ParameterError:
     return ParameterError("the friction block is damaged: install the friction again")
 
 
@@ -86,8 +86,17 @@ class Friction:
         """Presliding stiffness at a reversal, N m/rad."""
         raise NotImplementedError
 
+    def levels(self, side: str) -> list[float]:
+        """The numbers of a direction, in the order of `LEVELS`."""
+        return [getattr(self, f"{name}_{side}") for name in LEVELS]
+
     def pack(self) -> NDArray[np.float64]:
         """The block of numbers that the law's kernel reads, the number of the law in front."""
+        raise NotImplementedError
+
+    @classmethod
+    def _from_numbers(cls, numbers: list[float]) -> Self:
+        """Parameters of a block; an IndexError, ValueError or OverflowError if it is damaged."""
         raise NotImplementedError
 
     @classmethod
@@ -97,7 +106,16 @@ class Friction:
         Raises:
             ParameterError: the block is damaged or its values are out of range.
         """
-        raise NotImplementedError
+        try:
+            found = cls._from_numbers([float(x) for x in block])
+        except ParameterError:
+            raise
+        except (IndexError, ValueError, OverflowError):
+            raise _damaged() from None
+        # the numbers a law has no field for must be those it writes
+        if not np.array_equal(found.pack(), block):
+            raise _damaged()
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values by field name, `law` first, for TOML and JSON."""
@@ -142,10 +160,6 @@ class StribeckFriction(Friction):
         for side in SIDES:
             Fs, Fc = getattr(self, f"Fs_{side}"), getattr(self, f"Fc_{side}")
             require(Fc <= Fs, f"Fc_{side}", Fc, f"in (0, Fs_{side} = {Fs:g}]")
-
-    def levels(self, side: str) -> list[float]:
-        """The numbers of a direction, in the order of `LEVELS`."""
-        return [getattr(self, f"{name}_{side}") for name in LEVELS]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -238,29 +252,17 @@ class FrictionParameters(StribeckFriction):
         return np.array([self.number, *head, *sides, len(self.knots), *knots], dtype=np.float64)
 
     @classmethod
-    def unpack(cls, block: NDArray[np.float64]) -> Self:
-        """Inverse of `pack`.
-
-        Raises:
-            ParameterError: the block is too short, its values are out of range, or the slopes in it
-                are not those of its knots.
-        """
-        values = [float(x) for x in block]
-        n = int(values[15]) if len(values) > 15 and math.isfinite(values[15]) else -1
-        if n < 1 or len(values) != 16 + 3 * n:
-            raise damaged_block()
-        names = [f"{name}_{side}" for side in SIDES for name in LEVELS]
-        found = cls(
-            **dict(zip(names, values[5:15], strict=True)),
-            n=values[3],
-            sigma1=values[4],
-            knots=tuple((values[16 + 3 * i], values[17 + 3 * i]) for i in range(n)),
-            variant="lampaert2002" if values[1] else "ganseman1997",
-            virgin="masing" if values[2] else "literal",
+    def _from_numbers(cls, numbers: list[float]) -> Self:
+        if len(numbers) != 16 + 3 * int(numbers[15]) or len(numbers) == 16:
+            raise ValueError
+        return cls(
+            **dict(zip(LEVEL_FIELDS, numbers[5:15], strict=True)),
+            n=numbers[3],
+            sigma1=numbers[4],
+            knots=tuple(zip(numbers[16::3], numbers[17::3], strict=True)),
+            variant="lampaert2002" if numbers[1] else "ganseman1997",
+            virgin="masing" if numbers[2] else "literal",
         )
-        if not np.array_equal(found.pack(), values):
-            raise damaged_block()
-        return found
 
     def __repr__(self) -> str:
         given = {
@@ -272,12 +274,7 @@ class FrictionParameters(StribeckFriction):
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> Self:
-        """Inverse of `to_dict`; it takes a presliding `stiffness` in place of the knots too.
-
-        Raises:
-            ParameterError: a key is unknown or missing, or a value out of range.
-            TypeError: `values` is no dict.
-        """
+        """`Friction.from_dict`; takes a presliding `stiffness`, N m/rad, in place of knots too."""
         require_table(values)
         given = dict(values)
         if "stiffness" in given:

@@ -1,7 +1,8 @@
 """Parameters of the other friction laws, one frozen class per law.
 
 Torques are magnitudes in N m, also for the negative direction; for a slide joint read N for N m and
-m for rad. Every class raises `ParameterError`, naming the value and its range.
+m for rad. Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`. Every class
+raises `ParameterError`, naming the value and its range.
 """
 
 import dataclasses
@@ -12,9 +13,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionjoint.errors import ParameterError
-from frictionjoint.parameter_checks import LEVELS, SIDES, number_pairs, require
-from frictionjoint.parameters import MOST_KNOTS, Friction, StribeckFriction, damaged_block
+from frictionjoint.parameter_checks import LEVEL_FIELDS, SIDES, number_pairs, require
+from frictionjoint.parameters import MOST_KNOTS, Friction, StribeckFriction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,49 +32,28 @@ class _Rival(Friction):
         """The same levels in both directions: ``Fs=1.2`` for ``Fs_pos=1.2, Fs_neg=1.2``."""
         return cls.from_dict(values)
 
-    def levels(self, side: str) -> list[float]:
-        """The numbers of a direction, in the order of `LEVELS`."""
-        raise NotImplementedError
-
     def _own(self) -> list[float]:
         return [getattr(self, name) for name in self.own]
 
     @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        fields = {field.name for field in dataclasses.fields(cls)}
-        numbers = {"sigma1": sigma1} | levels | dict(zip(cls.own, own, strict=True))
+    def _own_fields(cls, own: list[float]) -> dict[str, Any]:
+        """Inverse of `_own`."""
+        return dict(zip(cls.own, own, strict=True))
+
+    @classmethod
+    def _from_numbers(cls, numbers: list[float]) -> Self:
+        first = 2 + len(LEVEL_FIELDS)
+        given = dict(zip(("sigma1", *LEVEL_FIELDS), numbers[1:first], strict=True))
+        given |= cls._own_fields(numbers[first:])
         # the static law has no sigma1, Dahl's no Stribeck effect
-        return cls(**{name: x for name, x in numbers.items() if name in fields})
+        names = {field.name for field in dataclasses.fields(cls)}
+        return cls(**{name: x for name, x in given.items() if name in names})
 
     def pack(self) -> NDArray[np.float64]:
         """The block for ``law.kernel``, beginning with the number of the law."""
         levels = [x for side in SIDES for x in self.levels(side)]
         sigma1 = getattr(self, "sigma1", 0.0)
         return np.array([float(self.number), sigma1, *levels, *self._own()])
-
-    @classmethod
-    def unpack(cls, block: NDArray[np.float64]) -> Self:
-        """Inverse of `pack`.
-
-        Raises:
-            ParameterError: the block is damaged or its values are out of range.
-        """
-        numbers = [float(x) for x in block]
-        names = [f"{name}_{side}" for side in SIDES for name in LEVELS]
-        first = 2 + len(names)
-        if len(numbers) < first:
-            raise damaged_block()
-        try:
-            levels = dict(zip(names, numbers[2:first], strict=True))
-            found = cls._from_numbers(numbers[1], levels, numbers[first:])
-        except ParameterError:
-            raise
-        except (IndexError, ValueError, OverflowError):
-            raise damaged_block() from None
-        # the numbers a law has no field for must be those it writes
-        if not np.array_equal(found.pack(), block):
-            raise damaged_block()
-        return found
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,8 +79,6 @@ class _Bristle(_Stribeck):
 class StaticParameters(_Stribeck):
     """Coulomb, Stribeck and viscous torque as a function of velocity (see ``law.static``).
 
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
-
     Attributes:
         V0: rad/s, > 0; below this speed the torque falls linearly to zero.
     """
@@ -122,8 +99,6 @@ class StaticParameters(_Stribeck):
 class ArmstrongParameters(_Bristle):
     """Linear presliding spring with breakaway, Armstrong-Helouvry (1991), ``law.armstrong``.
 
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
-
     Attributes:
         sigma0: stiffness before breakaway, N m/rad, > 0.
     """
@@ -132,14 +107,23 @@ class ArmstrongParameters(_Bristle):
     number: ClassVar[int] = 3
 
 
-def _at_reversal(sigma0: float, i: float) -> float:
-    """Stiffness of Dahl's curve at a reversal, where w is 2, N m/rad."""
-    rise: float = 2.0**i
-    return sigma0 * rise
+class _DahlCurve:
+    """What Dahl's curve has, on any level; its fields are declared where their order is known."""
+
+    sigma0: float
+    i: float
+
+    own: ClassVar[tuple[str, ...]] = ("sigma0", "i")
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness at a reversal of a symmetric joint, N m/rad: there w is 2."""
+        rise: float = 2.0**self.i
+        return self.sigma0 * rise
 
 
 @dataclass(frozen=True, kw_only=True)
-class DahlParameters(_Rival):
+class DahlParameters(_DahlCurve, _Rival):
     """Dahl's law (1968), ``law.dahl``.
 
     Attributes:
@@ -159,12 +143,6 @@ class DahlParameters(_Rival):
 
     law: ClassVar[str] = "dahl"
     number: ClassVar[int] = 4
-    own: ClassVar[tuple[str, ...]] = ("sigma0", "i")
-
-    @property
-    def stiffness(self) -> float:
-        """Stiffness at a reversal of a symmetric joint, N m/rad."""
-        return _at_reversal(self.sigma0, self.i)
 
     def levels(self, side: str) -> list[float]:
         """The numbers of a direction; the law has no Stribeck effect."""
@@ -173,10 +151,8 @@ class DahlParameters(_Rival):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DahlStribeckParameters(_Stribeck):
+class DahlStribeckParameters(_DahlCurve, _Stribeck):
     """Dahl's hysteresis scaled by the Stribeck curve, ``law.dahl_stribeck``.
-
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
         sigma0: stiffness at zero torque and low speed, N m/rad, > 0.
@@ -188,19 +164,11 @@ class DahlStribeckParameters(_Stribeck):
 
     law: ClassVar[str] = "dahl_stribeck"
     number: ClassVar[int] = 8
-    own: ClassVar[tuple[str, ...]] = ("sigma0", "i")
-
-    @property
-    def stiffness(self) -> float:
-        """Stiffness at a reversal of a symmetric joint, N m/rad."""
-        return _at_reversal(self.sigma0, self.i)
 
 
 @dataclass(frozen=True, kw_only=True)
 class LuGreParameters(_Bristle):
     """LuGre (Canudas de Wit et al. 1995), ``law.lugre``.
-
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
         sigma0: bristle stiffness, N m/rad, > 0.
@@ -216,8 +184,6 @@ class LuGreParameters(_Bristle):
 @dataclass(frozen=True, kw_only=True)
 class ElastoplasticParameters(_Bristle):
     """Elasto-plastic friction (Dupont et al. 2002), ``law.elastoplastic``.
-
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
         sigma0: bristle stiffness, N m/rad, > 0.
@@ -237,8 +203,6 @@ class ElastoplasticParameters(_Bristle):
 @dataclass(frozen=True, kw_only=True)
 class MaxwellSlipParameters(_Stribeck):
     """Generalized Maxwell-slip (Al-Bender, Lampaert and Swevers 2005), ``law.maxwell_slip``.
-
-    Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParameters`.
 
     Attributes:
         elements: ((k, fraction), ...), 1 to 16 elements; k in N m/rad, > 0, fractions of the level
@@ -277,10 +241,8 @@ class MaxwellSlipParameters(_Stribeck):
         return [self.C, float(len(self.elements)), *(x for pair in self.elements for x in pair)]
 
     @classmethod
-    def _from_numbers(cls, sigma1: float, levels: dict[str, float], own: list[float]) -> Self:
-        n = int(own[1])
-        pairs = tuple((own[2 + 2 * i], own[3 + 2 * i]) for i in range(n))
-        return cls(**levels, elements=pairs, C=own[0], sigma1=sigma1)
+    def _own_fields(cls, own: list[float]) -> dict[str, Any]:
+        return {"C": own[0], "elements": tuple(zip(own[2::2], own[3::2], strict=True))}
 
 
 RIVALS: tuple[type[_Rival], ...] = (

@@ -14,10 +14,8 @@ _WORDS = {dict: "a table", list: "a list", str: "text", float: "a number below 1
 
 
 def read_toml(path: Path, fix: str = "") -> dict[str, Any]:
-    """Content of a TOML file.
+    """Content of a TOML file; `fix`: what the user should do if there is none, after the reason.
 
-    Args:
-        fix: what the user should do if there is no such file, after its reason.
     Raises:
         ParameterError: the file is missing, or no TOML.
     """
@@ -32,10 +30,8 @@ def read_toml(path: Path, fix: str = "") -> dict[str, Any]:
 
 
 def read_json(path: Path, fix: str) -> Any:
-    """Content of a JSON file.
+    """Content of a JSON file; `fix`: what the user should do if it is no JSON.
 
-    Args:
-        fix: what the user should do if it is no JSON.
     Raises:
         ParameterError: the file is missing, or no JSON.
     """

@@ -49,8 +49,7 @@ _allowed = int(os.environ.get("FRICTIONJOINT_THREADS") or _cores())
 
 
 def allow(threads: int) -> None:
-    """Set the number of threads; initially ``FRICTIONJOINT_THREADS``, or one per core of the
-    process."""
+    """Set the number of threads, at first ``FRICTIONJOINT_THREADS`` or one per core."""
     global _allowed
     _allowed = threads
 
@@ -69,16 +68,10 @@ def side_by_side() -> Iterator[Callable[..., Any]]:
 
 def threads_here() -> int:
     """Number of threads that `side_by_side` would use here."""
-    if getattr(_busy, "inside", False):
-        return 1
-    return _allowed
+    return 1 if getattr(_busy, "inside", False) else _allowed
 
 
 @functools.lru_cache(maxsize=1)
 def _pool(process: int, threads: int) -> ThreadPoolExecutor:
     """The threads of a process; a forked process gets its own."""
-    return ThreadPoolExecutor(threads, initializer=_enter)
-
-
-def _enter() -> None:
-    _busy.inside = True
+    return ThreadPoolExecutor(threads, initializer=setattr, initargs=(_busy, "inside", True))

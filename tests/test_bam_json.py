@@ -29,10 +29,6 @@ def content(**more):
     return {"mass": 0.5, "kp": 16, "motor": "sts3215", "ip": "none", "entries": entries, **more}
 
 
-def content_position(data):
-    return np.array([entry["position"] for entry in data["entries"]])
-
-
 def read(tmp_path, data):
     path = tmp_path / "log.json"
     path.write_text(json.dumps(data))
@@ -75,7 +71,8 @@ def test_a_step_is_no_lost_byte(tmp_path):
         entry["position"] += 1.5
     log = read(tmp_path, data)
     assert log.notes == ()
-    np.testing.assert_allclose(log.position[100:], content_position(data)[100:])
+    positions = [entry["position"] for entry in data["entries"]]
+    np.testing.assert_allclose(log.position[100:], positions[100:])
 
 
 def test_a_file_without_entries_is_one_line(tmp_path):

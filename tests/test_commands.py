@@ -5,6 +5,7 @@ import re
 from importlib.resources import files
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -14,6 +15,7 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_parameters
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.motion import friction_torque
+from frictionjoint.model_text import model_text, placed
 from frictionjoint.parameters import FrictionParameters, knots_of
 from frictionjoint.rivals import LuGreParameters
 
@@ -40,8 +42,6 @@ def test_identify_finds_the_friction_of_the_shipped_log():
 
 
 def test_export_writes_what_the_command_writes(tmp_path):
-    import mujoco
-
     spec = mujoco.MjSpec.from_file(str(DEMO / "joint.xml"))
     fj.install(spec, {"joint": LAW})
     model = tmp_path / "arm.xml"
@@ -93,10 +93,6 @@ def test_a_short_file_gives_both_directions(tmp_path):
 
 
 def test_a_model_says_what_it_carries(tmp_path):
-    import mujoco
-
-    from frictionjoint.model_text import model_text, placed
-
     wave = next(e for e in CATALOGUE if e.name == "position-periodic")
     spec = mujoco.MjSpec.from_file(str(DEMO / "joint.xml"))
     effect = SimulatedEffect(wave, (14.0,), (0.3, -0.2))

@@ -100,15 +100,9 @@ def name(parameters):
 
 
 @needs_c
-def test_the_integrated_law_is_the_same(tmp_path):
-    friction = {name(p): JointFriction(p) for p in INTEGRATED}
-    worst = compared(friction, tmp_path)
-    assert max(worst.values()) < 1e-12, worst
-
-
-@needs_c
-def test_each_rival_is_the_same(tmp_path):
-    worst = compared({name(p): JointFriction(p) for p in RIVALS}, tmp_path)
+@pytest.mark.parametrize("laws", [INTEGRATED, RIVALS], ids=["integrated", "rivals"])
+def test_each_law_is_the_same(tmp_path, laws):
+    worst = compared({name(p): JointFriction(p) for p in laws}, tmp_path)
     assert max(worst.values()) < 1e-12, worst
 
 

@@ -7,7 +7,7 @@ import frictionjoint as fj
 from frictionjoint.law.kernel import row_size
 from frictionjoint.law.memory import HEADER, N_MAX, N_MIN
 from frictionjoint.simulate import row
-from frictionjoint.simulate.fast_step import joint_torque, rare_torque
+from frictionjoint.simulate.fast_step import joint_torque
 
 KNOTS = ((2e-3, 1.5), (4e-3, 2.2), (8e-3, 3.2))
 
@@ -32,7 +32,7 @@ def test_the_usual_step_of_a_joint_is_the_general_one():
     q = 0.05 * np.sin(2.0 * t) * (t < 3.0) + 2e-3 * np.sin(40.0 * t) * np.exp(-0.5 * t)
     q += np.cumsum(rng.normal(size=len(t))) * 2e-6 * (t > 4.0)
     v = np.gradient(q, t)
-    usual, general = (simulated(step, t, q, v) for step in (joint_torque, rare_torque))
+    usual, general = (simulated(step, t, q, v) for step in (joint_torque, row.rare_torque))
     np.testing.assert_allclose(usual[0], general[0], rtol=0.0, atol=1e-11)
     np.testing.assert_allclose(usual[1], general[1], rtol=0.0, atol=1e-9)
 

@@ -14,11 +14,6 @@ SAMPLE = 0.01
 T = SAMPLE * np.arange(200)
 
 
-def mean_drive(target, position, **controller):
-    log = JointLog(name="log", joint="j", time=T, position=position, target=target)
-    return commands(log, Controller(output="torque_nm", kp=5.0, **controller)).mean_drive()
-
-
 @pytest.mark.parametrize(
     "known",
     [
@@ -47,7 +42,9 @@ def test_it_is_what_a_fine_controller_puts_out_on_average(known):
     expected = drive[100:-100].reshape(-1, 200).mean(axis=1)
     if "deadband" in known:
         known = {**known, "deadband_form": "cut"}
-    found = mean_drive(target, position, **known)[1:]
+    log = JointLog(name="log", joint="j", time=T, position=position, target=target)
+    controller = Controller(output="torque_nm", kp=5.0, **known)
+    found = commands(log, controller).mean_drive()[1:]
     apart = np.abs(found - expected)[5:-5]
     assert apart.max() < 0.25 * np.abs(drive).max()
     assert np.sqrt(np.mean(apart**2)) < 0.05 * np.sqrt(np.mean(expected**2))

@@ -109,14 +109,10 @@ def test_kuka_ir361():
     assert data.actuator_force[0] == 393
 
 
-def kuka_friction() -> fj.FrictionParameters:
-    path = MODELS / "kuka_ir361_joint1.friction.toml"
-    return fj.FrictionParameters.from_dict(tomllib.loads(path.read_text()))
-
-
 def test_kuka_carries_the_friction_of_its_toml():
     carried = read_friction(model_of("kuka_ir361_joint1"))
-    assert carried["joint1"].parameters == kuka_friction()
+    content = tomllib.loads((MODELS / "kuka_ir361_joint1.friction.toml").read_text())
+    assert carried["joint1"].parameters == fj.FrictionParameters.from_dict(content)
 
 
 def test_pendulum_hangs_at_zero_and_has_the_tip_mass():

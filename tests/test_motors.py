@@ -181,25 +181,26 @@ def test_every_motor_says_where_it_is_from_and_goes_into_a_model(tmp_path, motor
     assert np.isfinite(data.qpos).all()
 
 
-def test_a_list_of_one_robot_and_a_motor_with_its_curve():
-    listed = CliRunner().invoke(app, ["motors", "list", "--robot", "panda", "--json"])
-    names = [row["name"] for row in json.loads(listed.stdout)]
-    assert names == [f"panda_joint{i}" for i in range(1, 8)]
-    with pytest.raises(
-        ParameterError,
-        match=r"--robot spot: no motor of this name, there are .*Dynamixel XL330 servo, EMPS",
-    ):
-        CliRunner().invoke(app, ["motors", "list", "--robot", "spot"], catch_exceptions=False)
-    shown = CliRunner().invoke(app, ["motors", "show", "ur10_j1", "--json"])
-    content = json.loads(shown.stdout)
+def names_listed(*arguments):
+    return [row["name"] for row in json.loads(call("list", "--json", *arguments).stdout)]
+
+
+def test_lists_of_all_and_of_one_robot_and_a_motor_with_its_curve():
+    assert names_listed() == [motor.name for motor in list_motors()]
+    assert "ur10_j1" in call().output
+    assert names_listed("--robot", "panda") == [f"panda_joint{i}" for i in range(1, 8)]
+    refused = str(call("list", "--robot", "spot").exception)
+    assert "--robot spot: no motor of this name, there are " in refused
+    assert "Dynamixel XL330 servo, EMPS" in refused
+    content = json.loads(call("show", "ur10_j1", "--json").stdout)
     motor = get_motor("ur10_j1")
     curve = content["friction_speed"]
     law = motor.friction.parameters
     assert curve["pos"][-1] > 0.9 * min(law.Fc_pos, law.Fs_pos)
     assert len(curve["speed"]) == len(curve["neg"])
-    plain = CliRunner().invoke(app, ["motors", "show", "ur10_j1"])
-    assert motor.source in plain.stdout
-    assert "speed, rad/s" in plain.stdout
+    plain = call("show", "ur10_j1").stdout
+    assert motor.source in plain
+    assert "speed, rad/s" in plain
 
 
 def held(motor, inertia, seconds):
@@ -232,9 +233,3 @@ def test_every_motor_holds_its_load_and_passes_the_strict_check(motor):
     assert np.ptp(held(motor, own, 40)[1000:]) < 1e-6
     drift = np.diff(held(motor, 0.5, 15)[500:].reshape(2, -1).mean(axis=1))
     assert abs(drift[0]) < 1e-4
-
-
-def test_the_list_names_them():
-    listed = json.loads(call("list", "--json").output)
-    assert [row["name"] for row in listed] == [motor.name for motor in list_motors()]
-    assert "ur10_j1" in call().output

@@ -33,13 +33,9 @@ def test_span_is_the_integral_and_advance_its_inverse(n, r0, r1):
     assert advance(r0, span(r0, r1, n), n) == pytest.approx(r1, rel=1e-10)
 
 
-def nested_path():
-    turns = np.array([0, 2.2, -1.0, 1.4, -0.4, 0.9, 0.1, 1.9, -1.8, 2.3, 0.3]) * 1e-5
-    return np.interp(np.linspace(0, 10, 201), np.arange(11), turns)
-
-
 def test_reference_equals_jenkins_elements_below_nine_tenths_of_breakaway():
-    position = nested_path()
+    turns = np.array([0, 2.2, -1.0, 1.4, -0.4, 0.9, 0.1, 1.9, -1.8, 2.3, 0.3]) * 1e-5
+    position = np.interp(np.linspace(0, 10, 201), np.arange(11), turns)
     wanted = jenkins_torque(KNOTS, position)
     assert np.abs(wanted).max() < 0.9 * 5.0
     got, events = reference_torque(masing(), np.arange(201) * 0.01, position)

@@ -7,10 +7,10 @@ import pytest
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
 from frictionjoint.export.run import export
-from frictionjoint.simulate.shaft_wave import SHAFT_TAG, ShaftWave, add_wave
+from frictionjoint.simulate.shaft_wave import SHAFT_TAG, add_wave
 
 FRICTION = fj.FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, knots=((1e-3, 3.2),))
-WAVE = ShaftWave(ratio=-2.0, waves=32.0, sin=0.2, cos=-0.1, turns_over=0.1)
+WAVE = {"ratio": -2.0, "waves": 32.0, "sin": 0.2, "cos": -0.1, "turns_over": 0.1}
 ARM = """
 <mujoco><worldbody>
   <body><joint name="a" axis="0 0 1" armature="1"/><geom size=".1"/>
@@ -33,7 +33,7 @@ def spec(wave: bool = True) -> mujoco.MjSpec:
     made = mujoco.MjSpec.from_string(ARM)
     fj.install(made, {"a": FRICTION})
     if wave:
-        add_wave(made, "shaft", WAVE)
+        add_wave(made, "shaft", **WAVE)
     return made
 
 
@@ -72,7 +72,7 @@ def test_a_model_that_is_attached_to_another_has_it_by_its_new_names():
 
 def test_a_wave_without_its_tendon_is_refused_in_one_line():
     made = spec(False)
-    add_wave(made, "rod", WAVE)
+    add_wave(made, "rod", **WAVE)
     with pytest.raises(ModelError, match="names tendon 'rod': the model has shaft"):
         fj.attach(made.compile())
 

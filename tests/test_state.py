@@ -29,16 +29,12 @@ def model(integrator: str = "implicitfast") -> mujoco.MjModel:
     return spec.compile()
 
 
-def push(data: mujoco.MjData) -> None:
-    """Slow and fast sines: presliding loops nest, and now and then the joint breaks away."""
-    t = data.time
-    data.qfrc_applied[:] = [1.2 * np.sin(9 * t) + 0.6 * np.sin(41 * t), 0.9 * np.sin(23 * t)]
-
-
 def run(m, data, steps, between=lambda m, d: None):
+    """Slow and fast sines: presliding loops nest, and now and then the joint breaks away."""
     out = []
     for _ in range(steps):
-        push(data)
+        t = data.time
+        data.qfrc_applied[:] = [1.2 * np.sin(9 * t) + 0.6 * np.sin(41 * t), 0.9 * np.sin(23 * t)]
         mujoco.mj_step(m, data)
         between(m, data)
         out.append([*data.qpos, *data.qvel])

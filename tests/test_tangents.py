@@ -11,7 +11,6 @@ from frictionjoint.errors import ModelError
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.shape import Form, IntegratedShape
 from frictionjoint.law.names import LAWS
-from frictionjoint.law.tangents.activity import Particulars
 from frictionjoint.law.tangents.differentiate import Differentiated
 
 TYPICAL = {
@@ -126,6 +125,5 @@ def _unheard_of(P: Vector, p: int) -> float:
 
 @pytest.mark.parametrize("kernel", [_hides_a_derivative, _unheard_of])
 def test_what_cannot_be_differentiated_is_named(kernel):
-    nothing = Particulars({}, (), {}, frozenset(), {}, frozenset())
     with pytest.raises(ModelError, match=f"{kernel.py_func.__name__} cannot be differentiated"):
-        Differentiated(kernel, frozenset(), True, nothing)
+        Differentiated(kernel, frozenset(), True)

@@ -6,7 +6,6 @@ from threadpoolctl import threadpool_info
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint import threads as workers
-from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
@@ -19,11 +18,6 @@ FORMS = (*INTEGRATED[:2], *forms_of("lugre"))
 @pytest.fixture(scope="module")
 def prepared(tmp_path_factory) -> Prepared:
     return prepared_logs(PENDULUM, tmp_path_factory.mktemp("pendulum"))
-
-
-def fitted(prepared: Prepared, threads: int, monkeypatch) -> Fit:
-    monkeypatch.setattr(workers, "_allowed", threads)
-    return fit(prepared, forms=FORMS)
 
 
 def test_linear_algebra_takes_one_thread_and_gives_the_others_back(prepared):
@@ -40,7 +34,11 @@ def test_linear_algebra_takes_one_thread_and_gives_the_others_back(prepared):
 
 
 def test_any_number_of_threads_gives_the_same_fit(prepared, monkeypatch):
-    alone, *others = (fitted(prepared, threads, monkeypatch) for threads in (1, 2, 7))
+    found = []
+    for threads in (1, 2, 7):
+        monkeypatch.setattr(workers, "_allowed", threads)
+        found.append(fit(prepared, forms=FORMS))
+    alone, *others = found
     for other in others:
         assert other.shape == alone.shape
         np.testing.assert_array_equal(other.beta, alone.beta)

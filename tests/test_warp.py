@@ -15,7 +15,7 @@ from frictionjoint.law.memory import N_MAX, N_MIN
 from frictionjoint.simulate.block import ROW
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.joint_effects import effects_torque
-from frictionjoint.simulate.row import FRONT, evaluate, row_size
+from frictionjoint.simulate.row import FRONT, rare_torque, row_size
 
 mjw = pytest.importorskip("mujoco_warp")
 wp = pytest.importorskip("warp")
@@ -97,9 +97,9 @@ def native(mjm, steps) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def in_warp():
-    """Runs warp's `evaluate` along motions q and v, shape (worlds, n)."""
+    """Runs warp's `rare_torque` along motions q and v, shape (worlds, n)."""
     size = 128
-    made = translate([evaluate], size, "frictionjoint_test")["simulate_row_evaluate"]
+    made = translate([rare_torque], size, "frictionjoint_test")["simulate_row_rare_torque"]
     vector, matrix = wp.array(dtype=wp.float64), wp.array2d(dtype=wp.float64)
 
     @wp.kernel(enable_backward=False, module="unique")
@@ -116,7 +116,8 @@ def in_warp():
     ):
         w = wp.tid()
         for k in range(t.shape[0]):
-            out[w, k] = made(P, 0, effects, X[w], 0, t[k], q[w, k], v[w, k], h, inertia)
+            weight = wp.float64(1.0) / inertia
+            out[w, k] = made(P, 0, effects, X[w], 0, t[k], q[w, k], v[w, k], h, h, inertia, weight)
 
     def torque(P, t, q, v, h, inertia):
         X = wp.zeros((len(q), size), dtype=wp.float64, device="cpu")
@@ -135,7 +136,8 @@ def in_c(P, t, q, v, h, inertia):
     for w in range(len(q)):
         X = np.zeros(row_size(int(law_row_size(P, 0)), 0))
         for k in range(len(t)):
-            out[w, k] = evaluate(P, 0, len(P) - 1, X, 0, t[k], q[w, k], v[w, k], h, inertia)
+            motion = t[k], q[w, k], v[w, k]
+            out[w, k] = rare_torque(P, 0, len(P) - 1, X, 0, *motion, h, h, inertia, 1.0 / inertia)
     return out
 
 
@@ -167,9 +169,9 @@ def test_warp_computes_every_effect_as_the_library_does():
     carried = [acting(e) for e in CATALOGUE]
     P = np.concatenate([law, [float(len(carried))], *(e.pack() for e in carried)])
     size = row_size(int(law_row_size(P, 0)), len(carried))
-    name, made = "simulate_joint_effects_effects_torque", [evaluate, effects_torque]
+    name, made = "simulate_joint_effects_effects_torque", [rare_torque, effects_torque]
     namespace = translate(made, size, "frictionjoint_test_effects")
-    joint, effect = namespace["simulate_row_evaluate"], namespace[name]
+    joint, effect = namespace["simulate_row_rare_torque"], namespace[name]
     vector = wp.array(dtype=wp.float64)
 
     @wp.kernel(enable_backward=False, module="unique")
@@ -177,7 +179,7 @@ def test_warp_computes_every_effect_as_the_library_does():
         for k in range(t.shape[0]):
             # velocity, bias, inertia, armature, unit gravity torques, torque asked for
             h, v = wp.float64(0.0), u[k, 1]
-            joint(P, 0, e, X, 0, t[k], u[k, 0], v, h, u[k, 3])
+            joint(P, 0, e, X, 0, t[k], u[k, 0], v, h, h, u[k, 3], h)
             J, rotor, asked = u[k, 3], u[k, 4], u[k, 7]
             y[k] = effect(
                 P, 0, e, X, 0, t[k], u[k, 0], v, u[k, 2], J, rotor, u[k, 5], u[k, 6], asked
@@ -190,7 +192,7 @@ def test_warp_computes_every_effect_as_the_library_does():
     u = np.column_stack([q, np.gradient(q, t), *rigid, q, 1 - q, 3 * q])
     X, expected = np.zeros(size), np.zeros(n)
     for k in range(n):
-        evaluate(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 0.0, u[k, 3])
+        rare_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 0.0, 0.0, u[k, 3], 0.0)
         expected[k] = effects_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], *u[k, 2:])
     y = wp.zeros(n, dtype=wp.float64, device="cpu")
     arrays = [wp.array(a, dtype=wp.float64, device="cpu") for a in (P, np.zeros(size), t, u)]
@@ -382,13 +384,10 @@ def test_a_world_gone_astray_neither_hangs_nor_spreads():
 # refusals
 
 
-def test_runge_kutta_is_refused():
+def test_runge_kutta_and_disabled_passive_forces_are_refused():
     mjm = arm("RK4")
     with pytest.raises(ModelError, match=r"does not support the integrator RK4: use EULER"):
         attach_warp(*worlds(mjm, 1), mjm)
-
-
-def test_disabled_passive_forces_are_refused():
     mjm = arm()
     mjm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SPRING
     mjm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_DAMPER

@@ -8,10 +8,10 @@ from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
 from frictionjoint.law.names import LAWS
 from frictionjoint.simulate.joint_effects import coupled_load, effects_torque, unit_gravity
-from frictionjoint.simulate.row import evaluate, over_the_step, torque_now
+from frictionjoint.simulate.row import over_the_step, rare_torque, torque_now
 from frictionjoint.translate.warp import source
 
-KERNELS = [evaluate, torque_now, over_the_step, effects_torque, unit_gravity, coupled_load]
+KERNELS = [rare_torque, torque_now, over_the_step, effects_torque, unit_gravity, coupled_load]
 
 
 def functions(text: str) -> dict[str, ast.FunctionDef]:

@@ -1,5 +1,7 @@
 """A wrong type at a public function is a TypeError that says what to give instead."""
 
+from types import SimpleNamespace
+
 import mujoco
 import numpy as np
 import pytest
@@ -19,17 +21,9 @@ MODEL = SPEC.compile()
 DATA = mujoco.MjData(MODEL)
 
 
-class Physics:
-    """What dm_control hands out: a model within."""
-
-    ptr = MODEL
-
-
-class Environment:
-    """What Gymnasium hands out."""
-
-    class unwrapped:  # noqa: N801
-        model = MODEL
+# what dm_control and Gymnasium hand out: a model within
+PHYSICS = SimpleNamespace(ptr=MODEL)
+ENVIRONMENT = SimpleNamespace(unwrapped=SimpleNamespace(model=MODEL))
 
 
 @pytest.mark.parametrize(
@@ -38,8 +32,8 @@ class Environment:
         (lambda: fj.attach("arm.xml"), "load 'arm.xml' with frictionjoint.load_model"),
         (lambda: fj.attach(SPEC), r"give spec\.compile\(\)"),
         (lambda: fj.attach(DATA), "give the model that this data belongs to"),
-        (lambda: fj.attach(Physics()), r"give its \.ptr"),
-        (lambda: fj.attach(Environment()), r"give its \.unwrapped\.model"),
+        (lambda: fj.attach(PHYSICS), r"give its \.ptr"),
+        (lambda: fj.attach(ENVIRONMENT), r"give its \.unwrapped\.model"),
         (lambda: fj.attach(None), "give an MjModel"),
         (lambda: fj.install("arm.xml", {"j": FRICTION}), r"MjSpec\.from_file"),
         (lambda: fj.install(MODEL, {"j": FRICTION}), "give the spec that it was compiled from"),

@@ -1,5 +1,6 @@
 """The command `export`: convert the friction of a model for another program."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -71,7 +72,7 @@ def export(
         done = run(model, to, file, _range(speeds), log, columns_of(column), lugre, yielding, say)
         write_files(file.parent, {file.name: done.text})
     if as_json:
-        losses = [loss.to_dict() for loss in done.losses]
+        losses = [asdict(loss) for loss in done.losses]
         print_json({"file": str(file), "lost": done.lost, "losses": losses})
         return
     typer.echo(f"Wrote {file}")
@@ -82,7 +83,9 @@ def export(
         for x in done.losses:
             errors = (_error(lost, x.torque, x.unit) for lost in (x.sliding_lost, x.torque_lost))
             torques = (f"{x.torque:.3g} {x.unit}", *errors)
-            errors = (f"{1e3 * e:.3g} m{x.unit_of_position}" for e in x.errors)
+            errors = (
+                f"{1e3 * e:.3g} m{x.unit_of_position}" for e in (x.error, x.error_exported, x.apart)
+            )
             rows.append((x.joint, *torques, *errors))
         head = "joint", "friction", "error in sliding", "error in all", "position error, ours"
         show_table((*head, "exported", "difference"), rows)

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from frictionjoint.arrays import Array, Vector
-from frictionjoint.compiled import compiled, in_line, pointer
+from frictionjoint.compiled import compiled, in_line
 
 # rows of what `fill_path` fills
 AT, PLACE, SLOPE, AREA = range(4)
@@ -21,37 +21,24 @@ def held(time: Array, x: Array, at: Array) -> Array:
     return np.asarray(x[np.clip(index, 0, len(x) - 1)])
 
 
-def held_over(time: Array, command: Array, begin: Array, length: Array | float) -> Array:
-    """Mean over intervals of a command that is held between samples, shape of `begin`.
+def held_over(time: Array, command: Array, begin: Array, length: float) -> Array:
+    """Mean over intervals, s, of a command that is held between samples, shape of `begin`.
 
     The mean is a smooth function of `begin`, and so of a delay below one sample.
-
-    Args:
-        begin, length: of the intervals, s.
     """
-    return followed_over(time, command, begin, length, math.inf)
+    area = np.append(0.0, np.cumsum(np.diff(time) * command[:-1]))
+    first = area[1] / (time[1] - time[0])
 
+    def until(t: Array) -> Array:
+        outside = np.minimum(t - time[0], 0.0) * first + np.maximum(t - time[-1], 0.0) * command[-1]
+        return np.asarray(np.interp(t, time, area) + outside)
 
-def followed_over(
-    time: Array, command: Array, begin: Array, length: Array | float, rate: float
-) -> Array:
-    """Mean, over intervals, of a target that moves to each command with limited speed.
-
-    Args:
-        begin, length: of the intervals, s.
-        rate: speed of the target, rad/s (m/s); inf gives `held_over`.
-    """
-    lengths, out = np.full_like(begin, length), np.empty_like(begin)
-    fill_means(time, command, begin, lengths, rate, np.empty((4, 2 * len(time))), out)
-    return out
+    return (until(begin + length) - until(begin)) / length
 
 
 def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
-    """Position at other times of a target that moves to each command with limited speed.
-
-    Args:
-        rate: speed of the target, rad/s (m/s); inf gives `held`.
-    """
+    """Position at other times of a target that moves to each command at up to `rate`, rad/s (m/s);
+    inf gives `held`."""
     if math.isinf(rate):
         return held(time, command, at)
     path = np.empty((2, 2 * len(time)))
@@ -59,39 +46,11 @@ def followed(time: Array, command: Array, at: Array, rate: float) -> Array:
     return np.asarray(np.interp(at, path[AT], path[PLACE]))
 
 
-@compiled
-def fill_means(
-    time: Vector,
-    command: Vector,
-    begin: Vector,
-    length: Vector,
-    rate: float,
-    path: Array,
-    out: Vector,
-) -> None:
-    """Fill `out`, see `followed_over`; fastest if the intervals are in order.
-
-    Args:
-        path: room for `fill_path`, shape (4, 2 n).
-    """
-    n = fill_path(time, command, len(time), rate, path)
-    at = pointer(path, 0)
-    first, last = 0, 0
-    for k in range(len(begin)):
-        end = begin[k] + length[k]
-        first, last = last_before(at, n, begin[k], first), last_before(at, n, end, last)
-        until = area_until(path, last, end)
-        out[k] = (until - area_until(path, first, begin[k])) / length[k]
-
-
 @in_line
 def fill_path(time: Vector, command: Vector, n: int, rate: float, path: Array) -> int:
     """Fill the rows of `path`, shape (4, at least 2 n), with the corners of a target.
 
-    Rows: times, positions, speeds after each corner, and the area before it.
-
-    Returns:
-        the number of corners.
+    Rows: times, positions, speeds after each corner, and the area before it. Returns their number.
     """
     count = n
     ramps = rate != math.inf
@@ -128,11 +87,7 @@ def area_until(path: Array, i: int, t: float) -> float:
 
 @in_line
 def last_before(at: Vector, n: int, t: float, near: int) -> int:
-    """Index of the last of n increasing times that is not after t, or 0.
-
-    Args:
-        near: index at which the search begins.
-    """
+    """Index of the last of n increasing times that is not after t, or 0; sought from `near` on."""
     while near + 1 < n and at[near + 1] <= t:
         near += 1
     while near > 0 and at[near] > t:

@@ -55,10 +55,7 @@ class Commands:
         return np.where(self.on, drive, 0.0)
 
     def mean_drive(self, block: Array | None = None, delay: float | None = None) -> Array:
-        """Mean drive around each sample, for this controller or another block or delay.
-
-        Mean over half a sample on either side, see `mean_drive`.
-        """
+        """Mean drive over half a sample on either side, for this or another block or delay."""
         delay = self.delay if delay is None else delay
         block = self.block if block is None else block
         return AllCommands([self]).mean_drive(block[None], np.array([delay]))
@@ -70,13 +67,8 @@ class AllCommands:
     def __init__(self, logs: Sequence[Commands]) -> None:
         self.edges = np.cumsum([0, *(len(log.time) for log in logs)])
         self.time = np.concatenate([log.time for log in logs])
-        self._given = (
-            np.concatenate([log.target for log in logs]),
-            np.concatenate([log.position for log in logs]),
-            np.concatenate([log.velocity for log in logs]),
-            np.concatenate([log.supply for log in logs]),
-            np.concatenate([log.on for log in logs]),
-        )
+        names = ("target", "position", "velocity", "supply", "on")
+        self._given = [np.concatenate([getattr(log, name) for log in logs]) for name in names]
 
     def mean_drive(
         self, blocks: Array, delays: Array, off: Array | float = 0.0, faster: float = 0.0
@@ -100,10 +92,7 @@ class AllCommands:
         """Change of the drive per change of position, per rad (m), shape (n,).
 
         The position change is constant in time. The integral part is left out, because it would
-        grow without limit.
-
-        Args:
-            blocks, delays: as in `mean_drive`.
+        grow without limit. For the arguments see `mean_drive`.
         """
         blocks = blocks.copy()
         blocks[:, k.KI] = 0.0
@@ -113,11 +102,7 @@ class AllCommands:
         return (less - more) / (2.0 * nudge)
 
     def damping(self, blocks: Array, delays: Array) -> Array:
-        """Decrease of the drive per increase of velocity, per rad/s (m/s), shape (n,).
-
-        Args:
-            blocks, delays: as in `mean_drive`.
-        """
+        """Decrease of the drive per increase of velocity, per rad/s (m/s), shape (n,)."""
         less, more = (self.mean_drive(blocks, delays, faster=way * _NUDGE) for way in (-1.0, 1.0))
         return (less - more) / (2.0 * _NUDGE)
 

@@ -4,9 +4,10 @@ A measured torque replaces all actuators; of a `dcmotor` only friction and coggi
 measured voltage or current is the control of the joint's own actuator.
 """
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -78,11 +79,9 @@ class EvaluatedModel:
         """Whether the model has states that must be integrated: activations, plasticity."""
         return bool(self.model.na) or bool(getattr(self.model, "nplastic", 0))
 
-    @contextmanager
-    def acting(self) -> Iterator[None]:
+    def acting(self) -> AbstractContextManager[Any]:
         """Context in which the friction of the model acts."""
-        with attach(self.model) if blocks(self.model) else nullcontext():
-            yield
+        return attach(self.model) if blocks(self.model) else nullcontext()
 
     def _actuator(self, joint: str, drive: str) -> int | None:
         if drive == "torque":
@@ -93,7 +92,10 @@ class EvaluatedModel:
         takes = named or [
             i
             for i in own
-            if (_is_dcmotor(self.model, i) and _constant(self.model, i) > _NO_CONSTANT)
+            if (
+                _is_dcmotor(self.model, i)
+                and abs(self.model.actuator_gainprm[i, _CONSTANT]) > _NO_CONSTANT
+            )
             or (self.model.actuator_gaintype[i] == fixed and not self.model.actuator_biasprm[i, 1])
         ]
         if len(takes) != 1:
@@ -121,11 +123,7 @@ class EvaluatedModel:
 
 
 def require_joint(model: mujoco.MjModel, joint: str) -> int:
-    """Index of a hinge or slide joint.
-
-    Raises:
-        ModelError: the model has no such joint with that name.
-    """
+    """Index of a hinge or slide joint; ModelError if the model has none of that name."""
     j: int = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
     if j < 0 or int(model.jnt_type[j]) not in ONE_DOF:
         names = [joint_label(model, i) for i in range(model.njnt)]
@@ -177,7 +175,3 @@ def _yielding_tendons(model: mujoco.MjModel, joint: int) -> int:
 def _is_dcmotor(model: mujoco.MjModel, i: int) -> bool:
     kind = getattr(mujoco.mjtGain, "mjGAIN_DCMOTOR", None)
     return kind is not None and model.actuator_gaintype[i] == int(kind)
-
-
-def _constant(model: mujoco.MjModel, i: int) -> float:
-    return float(np.abs(model.actuator_gainprm[i, _CONSTANT]))

@@ -33,7 +33,7 @@ class Recording:
             motion.
         kinds: "torque", "voltage" or "current" by joint.
         known: whether the drive is known, by joint, shape (n,).
-        smooth: the filter on this grid.
+        filter: of the motion, for a torque on this grid, shape (n,).
     """
 
     logs: dict[str, JointLog]
@@ -45,7 +45,7 @@ class Recording:
     filtered: dict[str, Array]
     kinds: dict[str, str]
     known: dict[str, NDArray[np.bool_]]
-    smooth: LowPass
+    filter: LowPass
 
     @classmethod
     def of(
@@ -97,12 +97,8 @@ class Recording:
             },
             kinds=kinds,
             known={name: inside & _known(log, time) for name, log in logs.items()},
-            smooth=LowPass(n, step, corner, steep),
+            filter=LowPass(n, step, corner, steep),
         )
-
-    def filter(self, x: Array) -> Array:
-        """Apply the filter of the motion to a torque on this grid, shape (n,)."""
-        return self.smooth(x)
 
 
 def _kind(log: JointLog) -> str:

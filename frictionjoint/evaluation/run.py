@@ -1,7 +1,7 @@
 """Evaluate a model against logs: torque error, replay and closed loop per joint."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -88,8 +88,7 @@ class JointEvaluation:
 
     def to_dict(self) -> dict[str, Any]:
         """The errors over all logs and per log, without the curves."""
-        names = ("friction", "unit", "position_unit", "drive_rms", "torque_rms", "torque_percent")
-        own = {name: getattr(self, name) for name in (*names, "replay_rms", "closed_loop_mae")}
+        own = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "curves"}
         logs = [
             {
                 "log": c.log,

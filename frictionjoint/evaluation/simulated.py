@@ -8,8 +8,8 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.kernel import COUNT, STATE, tick
-from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.profile import held
+from frictionjoint.control.reconstruct import commands
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.torque import STATE as FULL
@@ -58,10 +58,8 @@ def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, A
 def closed_loop(
     m: EvaluatedModel, recording: Recording, controllers: Mapping[str, Controller]
 ) -> dict[str, Array]:
-    """Simulate a log from its target: controller, actuator, friction and load.
+    """Simulate a log from its target, with a controller for every joint that is evaluated.
 
-    Args:
-        controllers: one for every joint that is evaluated.
     Returns:
         simulated position by joint, at the times of the recording, shape (n,).
     """
@@ -95,15 +93,14 @@ class _Loop:
         self, m: EvaluatedModel, recording: Recording, joint: str, controller: Controller
     ) -> None:
         log = recording.logs[joint]
-        assert log.target is not None
-        self._block, self._state = block_of(controller, log), np.zeros(STATE)
+        given = commands(log, controller)
+        self._block, self._state = given.block, np.zeros(STATE)
         # the nearest sample, so that jitter of nanoseconds does not delay a value by one sample
         now = recording.time + log.time[0] + 0.5 * recording.step
         self._time = recording.time
-        self._target = held(log.time, log.target, now - delay_of(controller))
-        self._supply = held(log.time, supply_of(controller, log), now)
-        on = np.ones(len(log.time)) if log.torque_enabled is None else log.torque_enabled
-        self._on = held(log.time, on.astype(float), now) > 0.5
+        self._target = held(log.time, given.target, now - given.delay)
+        self._supply = held(log.time, given.supply, now)
+        self._on = held(log.time, given.on.astype(float), now) > 0.5
         self._control = m.controls[joint]
         k = m.joints.index(joint)
         self._at, self._dof = int(m.qpos[k]), int(m.dofs[k])

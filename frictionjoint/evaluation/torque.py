@@ -40,11 +40,7 @@ class Along:
 
 
 def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
-    """Compute the torque that a model needs along a recording.
-
-    Args:
-        every: a full state is stored at every `every`-th sample.
-    """
+    """Compute the torque that a model needs along a recording, and states `every` samples apart."""
     model, data = m.model, mujoco.MjData(m.model)
     before = model.opt.timestep, model.opt.integrator, model.opt.disableflags
     model.opt.timestep = recording.step

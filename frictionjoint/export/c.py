@@ -10,8 +10,6 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from frictionjoint.arrays import Array
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.signals import GEAR, GX, GY, LOAD, MOTOR, TEMP
@@ -19,7 +17,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.export.scripts import rendered
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.parameter_checks import LEVELS, SIDES
+from frictionjoint.parameter_checks import LEVEL_FIELDS
 from frictionjoint.parameters import Friction
 from frictionjoint.rivals import MaxwellSlipParameters
 from frictionjoint.simulate.joint_effects import effects_torque
@@ -39,15 +37,13 @@ _SURROUNDINGS = {
 }
 # where an effect that is no torque acts
 _ELSEWHERE = {"mechanism": "between motor and link", "sensors": "in the instruments"}
-_LEVELS = [f"{name}_{side}" for side in SIDES for name in LEVELS]
 
 
 @dataclass(frozen=True)
 class CJoint:
-    """One joint in the header.
+    """One joint in the header: its name in C, and its numbers as text, each with a description.
 
     Attributes:
-        identifier: its name in C. numbers: as text, each with a description.
         effects: index at which the effects' numbers begin. state: doubles of memory.
         surroundings: whether an effect needs more than the motion.
     """
@@ -61,11 +57,8 @@ class CJoint:
 
 
 def header(friction: Mapping[str, JointFriction], guard: str) -> str:
-    """The text of the header.
+    """The text of the header for joints by name; `guard`: name of the file, for its include guard.
 
-    Args:
-        friction: by joint name, as `read_friction` gives it.
-        guard: name of the file, for the include guard.
     Raises:
         ModelError: two joints' names become one C identifier.
     """
@@ -132,7 +125,7 @@ def _joint(name: str, carried: JointFriction) -> CJoint:
     return CJoint(
         name=name,
         identifier=_identifier(name),
-        numbers=tuple(zip(map(_number, values), labels, strict=True)),
+        numbers=tuple(zip((repr(float(x)) for x in values), labels, strict=True)),
         effects=len(law),
         state=row_size(int(law_row_size(law, 0)), len(carried.effects)),
         surroundings=any(_AROUND & set(e.effect.needs) for e in carried.effects),
@@ -144,7 +137,7 @@ def _law_labels(parameters: Friction, block: Array) -> list[str]:
     first = f"law: {parameters.law}"
     if parameters.law == "integrated":
         kinds = ["variant: 0 ganseman1997, 1 lampaert2002", "virgin: 0 literal, 1 masing"]
-        head = [first, *kinds, "n", "sigma1", *_LEVELS]
+        head = [first, *kinds, "n", "sigma1", *LEVEL_FIELDS]
         knots = int(block[len(head)])
         of_knots = [f"{x} of knot {i}" for i in range(knots) for x in ("z", "F", "slope")]
         return [*head, "knots", *of_knots]
@@ -152,11 +145,7 @@ def _law_labels(parameters: Friction, block: Array) -> list[str]:
     if isinstance(parameters, MaxwellSlipParameters):
         pairs = range(len(parameters.elements))
         own = ["C", "elements", *(f"{x}[{i}]" for i in pairs for x in ("k", "share"))]
-    return [first, "sigma1", *_LEVELS, *own]
-
-
-def _number(value: float) -> str:
-    return repr(float(np.float64(value)))
+    return [first, "sigma1", *LEVEL_FIELDS, *own]
 
 
 def _identifier(name: str) -> str:

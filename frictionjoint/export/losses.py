@@ -9,8 +9,7 @@ held.
 
 import contextlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -20,6 +19,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.export.motion import Motion
 from frictionjoint.model_files import ONE_DOF
 from frictionjoint.model_joints import is_slide, mass_at_start
+from frictionjoint.replay.prescribed_motion import Prescribed
 from frictionjoint.simulate.attach import attach
 
 # its steps are never implicit: torque is wanted here and now, not at a step's end
@@ -29,10 +29,9 @@ _ROBOT = 1  # an actuator group
 
 @dataclass(frozen=True)
 class Loss:
-    """Losses of one joint along one motion.
+    """Losses of one joint along one motion, by their names.
 
     Attributes:
-        joint, motion: names. unit: of the torques.
         torque: rms of the friction torque. torque_lost: rms of its error after the export.
         sliding_lost: the same in sliding alone, away from rest and reversals; None: no sliding.
         error: rms position error of the loop with our friction, rad (m). error_exported: with the
@@ -53,15 +52,6 @@ class Loss:
     def unit_of_position(self) -> str:
         """rad, or m for a slide."""
         return "m" if self.unit == "N" else "rad"
-
-    @property
-    def errors(self) -> tuple[float, float, float]:
-        """Errors of the two runs and their distance, rad (m)."""
-        return self.error, self.error_exported, self.apart
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values by name."""
-        return asdict(self)
 
 
 def losses(
@@ -116,19 +106,14 @@ def losses(
     return found
 
 
-def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[int, Array]:
-    """Position, velocity and acceleration along the motion by joint id, shape (n, 3)."""
+def _tracks(model: mujoco.MjModel, joint: str, motion: Motion) -> dict[str, list[Array]]:
+    """Position, velocity and acceleration along the motion by joint, shape (n,) each."""
     dt = float(motion.time[1] - motion.time[0])
-    found = {
-        model.joint(joint).id: np.stack(
-            [motion.position, motion.velocity, motion.acceleration], axis=1
-        )
-    }
+    found = {joint: [motion.position, motion.velocity, motion.acceleration]}
     for name, q in motion.others.items():
-        other = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
-        if other >= 0:
+        if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) >= 0:
             v = np.gradient(q, dt)
-            found[other] = np.stack([q, v, np.gradient(v, dt)], axis=1)
+            found[name] = [q, v, np.gradient(v, dt)]
     return found
 
 
@@ -144,7 +129,7 @@ def _alone(model: mujoco.MjModel, actuators: int) -> None:
 def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) -> Array:
     """Torque at the joint that the motion requires, shape (n,)."""
     data, before = mujoco.MjData(model), (model.opt.timestep, model.opt.integrator)
-    tracks = _tracks(model, joint, motion)
+    moved = Prescribed(model, data, _tracks(model, joint, motion))
     dof = int(model.jnt_dofadr[model.joint(joint).id])
     found = np.empty(len(motion.time))
     model.opt.timestep, model.opt.integrator = motion.time[1] - motion.time[0], _EXPLICIT
@@ -153,10 +138,7 @@ def _inverse(model: mujoco.MjModel, joint: str, motion: Motion, attached: bool) 
             data.time = t
             # a step below moves the other joints too
             data.qpos[:], data.qvel[:], data.qacc[:] = model.qpos0, 0.0, 0.0
-            for j, track in tracks.items():
-                data.qpos[model.jnt_qposadr[j]] = track[k, 0]
-                data.qvel[model.jnt_dofadr[j]] = track[k, 1]
-                data.qacc[model.jnt_dofadr[j]] = track[k, 2]
+            moved.put(k)
             mujoco.mj_inverse(model, data)
             found[k] = data.qfrc_inverse[dof]
             if getattr(model, "nplastic", 0):  # springs that yield are carried on by steps alone
@@ -177,7 +159,6 @@ def _loop(
 ) -> Array:
     """Position of the joint in a loop with this stiffness, N m/rad, at the motion's times."""
     data, before = mujoco.MjData(model), model.opt.timestep
-    tracks = _tracks(model, joint, motion)
     driven = [j for j in range(model.njnt) if model.jnt_type[j] in ONE_DOF]
     qpos, dofs = model.jnt_qposadr[driven], model.jnt_dofadr[driven]
     steps = max(1, int(np.ceil(motion.time[-1] / before)))
@@ -185,9 +166,9 @@ def _loop(
     time = model.opt.timestep * np.arange(steps + 1)
     wanted = np.zeros((3, steps + 1, len(driven)))
     wanted[0] = model.qpos0[qpos]
-    for j, track in tracks.items():
-        for i in range(3):
-            wanted[i, :, driven.index(j)] = np.interp(time, motion.time, track[:, i])
+    for name, track in _tracks(model, joint, motion).items():
+        own = driven.index(model.joint(name).id)
+        wanted[:, :, own] = [np.interp(time, motion.time, x) for x in track]
     j = model.joint(joint).id
     mass = mass_at_start(bare)[np.ix_(dofs, dofs)]
     springs, dampers = _gains(mass, driven.index(j), stiffness, model.opt.timestep)

@@ -5,9 +5,6 @@ the first, `springyield`, and passive callbacks, and so the friction of this pac
 which MJX raises an error are removed, and each of them is named.
 """
 
-from collections.abc import Callable, Iterable
-from typing import Any
-
 import mujoco
 
 _ACTUATOR = {
@@ -53,10 +50,15 @@ def fit_for_mjx(spec: mujoco.MjSpec) -> list[str]:
         ]
         if refused:
             said.append(f"the actuator {actuator.name!r}, of type {refused[0]}")
-            _delete(spec, [x for x in spec.sensors if x.objname == actuator.name])
+            for sensor in [x for x in spec.sensors if x.objname == actuator.name]:
+                spec.delete(sensor)
             spec.delete(actuator)
-    said += _delete(spec, spec.equalities, lambda x: _of(x.type, _EQUALITY), "the equality")
-    said += _delete(spec, spec.sensors, lambda x: _of(x.type, _SENSOR), "the sensor")
+    others = (("equality", spec.equalities, _EQUALITY), ("sensor", spec.sensors, _SENSOR))
+    for what, elements, names in others:
+        for element in list(elements):
+            for kind in _of(element.type, names):
+                said.append(f"the {what} {element.name!r}, of type {kind}")
+                spec.delete(element)
     return said
 
 
@@ -64,18 +66,3 @@ def _of(value: object, names: tuple[str, ...]) -> list[str]:
     """Plain name of a value that is an enumeration member of one of some types."""
     name = str(getattr(value, "name", value))
     return [name.split("_", 1)[1].lower()] if name in names else []
-
-
-def _delete(
-    spec: mujoco.MjSpec,
-    elements: Iterable[Any],
-    kinds: Callable[[Any], list[str]] = lambda x: [""],
-    what: str = "",
-) -> list[str]:
-    """Delete elements of some kinds from a spec, and return a description of each."""
-    said = []
-    for element in list(elements):
-        for kind in kinds(element)[:1]:
-            said.append(f"{what} {getattr(element, 'name', '')!r}, of type {kind}")
-            spec.delete(element)
-    return said

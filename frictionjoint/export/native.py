@@ -12,21 +12,6 @@ import numpy as np
 
 from frictionjoint.errors import ModelError
 from frictionjoint.export.sliding import PlainFriction
-from frictionjoint.simulate.block import TAG, blocks, have_rows, rows_of_block
-from frictionjoint.simulate.shaft_wave import remove_waves
-
-
-def without_friction(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-    """Remove the friction from a spec; changed in place."""
-    model = spec.copy().compile()
-    carried = [model.numeric_data[at:].tolist() for at in blocks(model).values()]
-    rows = sum(map(rows_of_block, carried)) if have_rows(carried, model.nuserdata) else 0
-    for numeric in list(spec.numerics):
-        if TAG in (numeric.name or ""):
-            spec.delete(numeric)
-    remove_waves(spec)
-    spec.nuserdata = model.nuserdata - rows
-    return spec
 
 
 def add_plain(spec: mujoco.MjSpec, friction: Mapping[str, PlainFriction]) -> mujoco.MjSpec:

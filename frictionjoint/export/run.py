@@ -4,6 +4,7 @@ import os
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import mujoco
@@ -13,19 +14,13 @@ from frictionjoint.arrays import Array
 from frictionjoint.describe import effect_texts
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
-from frictionjoint.export import c, scripts
+from frictionjoint.export import c, scripts, sliding
 from frictionjoint.export.losses import Loss, losses
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
-from frictionjoint.export.native import add_plain, without_friction
-from frictionjoint.export.sliding import (
-    PlainFriction,
-    levels,
-    plain_friction,
-    speeds_above_stribeck,
-    stribeck_velocity,
-)
+from frictionjoint.export.native import add_plain
+from frictionjoint.export.sliding import PlainFriction
 from frictionjoint.export.targets import FILES, Target
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
@@ -33,8 +28,8 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.model_joints import is_slide, mass_at_start
 from frictionjoint.simulate.carrier import install, load_model, read_friction
-from frictionjoint.simulate.mechanism import remove_mechanism
-from frictionjoint.simulate.shaft_wave import wave_losses
+from frictionjoint.simulate.shaft_wave import remove_waves, wave_losses
+from frictionjoint.simulate.uninstall import take_out
 
 # law and effects as they are
 _WHOLE = ("c", "mjlab")
@@ -71,9 +66,9 @@ class _Task:
 
     def spec(self, mechanism: bool = False) -> mujoco.MjSpec:
         """The model without its friction; with rigid joints, or with springs and gaps."""
-        spec = without_friction(mujoco.MjSpec.from_file(str(self.path)))
-        for name in () if mechanism else self.friction:
-            remove_mechanism(spec, name)
+        spec = mujoco.MjSpec.from_file(str(self.path))
+        take_out(spec, list(self.friction), not mechanism)
+        remove_waves(spec)
         return spec
 
     def rigid(self) -> mujoco.MjModel:
@@ -127,30 +122,37 @@ def export(
     def over(name: str) -> Array:
         # Isaac has the fall from rest to sliding in a number of its own
         law = friction[name].parameters
-        falls = stribeck_velocity(law) is not None
-        return speeds_above_stribeck(law) if fast and falls else motions[name].speeds
+        falls = sliding.stribeck_velocity(law) is not None
+        return sliding.speeds_above_stribeck(law) if fast and falls else motions[name].speeds
 
-    plain = {name: plain_friction(friction[name], over(name), terms) for name in motions}
+    plain = {name: sliding.plain_friction(friction[name], over(name), terms) for name in motions}
     progress("losses along a motion")
     bare = task.spec().compile()
     actuators: dict[str, Array] = {}
     softened: dict[str, float] = {}
+    refused: list[str] = []
+    add: Callable[[mujoco.MjSpec], mujoco.MjSpec] = partial(add_plain, friction=plain)
     if lugre:
         fitted = {n: lugre_friction(friction[n].parameters, motions[n]) for n in motions}
         actuators = {name: lugre_torque(fitted[name], motions[name]) for name in motions}
-        text, exported = _written(lambda spec: add_lugre(spec, fitted, plain), task)
+        add = partial(add_lugre, lugre=fitted, plain=plain)
     elif yielding:
         springs = _springs(bare, friction, plain)
-        text, exported = _written(lambda spec: add_yield_springs(spec, springs, plain), task)
         softened = {name: x.softened for name, x in springs.items()}
+        add = partial(add_yield_springs, springs=springs, plain=plain)
+    if target in _NUMBERS:
+        text, exported = _NUMBERS[target](task, plain)
     else:
-        text, exported = _PLAIN[target](task, plain)
+        whole, rigid = task.spec(mechanism=True), task.spec()
+        if target == "mjx":
+            fit_for_mjx(whole)
+            refused = [f"MJX refuses {x}" for x in fit_for_mjx(rigid)]
+        text, exported = _with_assets(add(whole), task), add(rigid).compile()
     # a joint slides once 99% of the change of friction behind a reversal is done
     before_sliding = {
         name: presliding_distance(friction[name].parameters, 0.99) for name in motions
     }
     found = losses(task.rigid(), bare, exported, motions, actuators, before_sliding)
-    refused = [f"MJX refuses {x}" for x in fit_for_mjx(task.spec())] if target == "mjx" else []
     return Exported(text, (*_lost(task, plain, bare, softened), *refused, *waves), tuple(found))
 
 
@@ -193,29 +195,9 @@ def _springs(
     }
 
 
-def _native(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
-    return _written(lambda spec: add_plain(spec, plain), task)
-
-
-def _mjx(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
-    def add(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-        fit_for_mjx(spec)
-        return add_plain(spec, plain)
-
-    return _written(add, task)
-
-
-def _written(
-    add: Callable[[mujoco.MjSpec], mujoco.MjSpec], task: _Task
-) -> tuple[str, mujoco.MjModel]:
-    """Text with springs and gaps of the joints, and the model of rigid joints to compare."""
-    whole = add(task.spec(mechanism=True))
-    whole.compile()
-    return _with_assets(whole, task), add(task.spec()).compile()
-
-
 def _with_assets(spec: mujoco.MjSpec, task: _Task) -> str:
-    """The spec's MJCF, with paths of asset files relative to the export."""
+    """The spec's MJCF, with paths of asset files relative to the export; it is compiled."""
+    spec.compile()
     text: str = spec.to_xml()
     if not (spec.meshes or spec.hfields or spec.textures or spec.skins):
         return text
@@ -252,13 +234,8 @@ def _isaac(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco
     return scripts.isaac_text(task.path, plain, model), model
 
 
-_PLAIN: dict[Target, Callable[[_Task, Mapping[str, PlainFriction]], tuple[str, mujoco.MjModel]]] = {
-    "native": _native,
-    "mjx": _mjx,
-    "urdf": _urdf,
-    "newton": _newton,
-    "isaac": _isaac,
-}
+# targets that take the numbers of joints, not an MJCF
+_NUMBERS = {"urdf": _urdf, "newton": _newton, "isaac": _isaac}
 
 
 def _lost(
@@ -275,7 +252,7 @@ def _lost(
             what.append("the memory of reversals")
         elif not task.yielding and law.stiffness > 0.0:
             what.append("presliding with its memory")
-        if not task.lugre and any(Fs > Fc for Fs, Fc, *_ in levels(law).values()):
+        if not task.lugre and any(Fs > Fc for Fs, Fc, *_ in sliding.levels(law).values()):
             isaac = task.target == "isaac"
             what.append(
                 "the fall of friction between rest and sliding"

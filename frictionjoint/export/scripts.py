@@ -33,11 +33,7 @@ def _quoted(text: str) -> str:
 
 
 def newton_text(source: Path, friction: Mapping[str, PlainFriction], model: mujoco.MjModel) -> str:
-    """A module with the numbers of `newton.Model` and a function that writes them.
-
-    Args:
-        model: with the friction; its totals are written.
-    """
+    """A module with the model's totals for `newton.Model`, and a function that writes them."""
     joints = {}
     for name in friction:
         j = model.joint(name).id

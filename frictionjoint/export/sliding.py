@@ -17,7 +17,7 @@ from frictionjoint.effects.signals import DT, N_SIGNALS, H, V
 from frictionjoint.errors import ParameterError
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.stribeck import stribeck_level
-from frictionjoint.parameter_checks import LEVELS
+from frictionjoint.parameter_checks import SIDES
 from frictionjoint.parameters import Friction
 
 
@@ -44,12 +44,7 @@ class PlainFriction:
 
 def levels(parameters: Friction) -> dict[str, tuple[float, ...]]:
     """Fs, Fc, Vs, delta, sigma2 of each direction, for any law."""
-    block = parameters.pack()
-    first, n = 5 if parameters.law == "integrated" else 2, len(LEVELS)
-    return {
-        side: tuple(float(x) for x in block[at : at + n])
-        for side, at in (("pos", first), ("neg", first + n))
-    }
+    return {side: tuple(parameters.levels(side)) for side in SIDES}
 
 
 def stribeck_velocity(parameters: Friction) -> float | None:
@@ -83,8 +78,8 @@ def plain_friction(carried: JointFriction, speeds: Array, terms: int = 1) -> Pla
     """The plain joint nearest to a joint's friction over given speeds, by least squares.
 
     Args:
-        speeds: rad/s, > 0, repeated by their frequency.
-        terms: largest number of damping coefficients; more than one only if it improves the fit.
+        speeds: rad/s, > 0, as often as they occur. terms: most damping coefficients, used if the
+            fit improves.
     Raises:
         ParameterError: no speed is above zero.
     """

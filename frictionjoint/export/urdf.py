@@ -23,15 +23,14 @@ _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 
 
 def urdf_text(model: mujoco.MjModel, friction: Mapping[str, PlainFriction], note: str) -> str:
-    """The URDF of a compiled model.
+    """The URDF of a compiled model, with friction by joint in addition to the model's native one.
 
     Args:
-        model: without the exported friction; its native friction is added.
-        friction: by joint name. note: a comment at the top.
+        note: a comment at the top.
     Raises:
         ModelError: a ball joint, or a free joint that is not at a root.
     """
-    robot = ET.Element("robot", name=_name(model.names[: model.names.index(b"\0")].decode()))
+    robot = ET.Element("robot", name=model.names[: model.names.index(b"\0")].decode() or "robot")
     robot.append(ET.Comment(f" {note.replace('--', '- -')} "))
     ET.SubElement(robot, "link", name="world")
     links = {0: ("world", np.zeros(3))}
@@ -53,7 +52,7 @@ def _add_body(
     A link's frame is at its joint; several joints of a body are connected by links of almost no
     mass.
     """
-    name = _name(model.body(body).name or f"body{body}")
+    name = model.body(body).name or f"body{body}"
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
     position, rotation = model.body_pos[body], model.body_quat[body]
     R = np.zeros(9)
@@ -85,13 +84,13 @@ def _joint(
 ) -> ET.Element:
     name, kind = model.joint(j).name or f"joint{j}", int(model.jnt_type[j])
     if kind == _FREE:
-        return ET.SubElement(robot, "joint", name=_name(name), type="floating")
+        return ET.SubElement(robot, "joint", name=name, type="floating")
     if kind not in (_HINGE, _SLIDE):
         raise ModelError(f"joint {name!r} is a ball joint: URDF has none, use three hinges")
     limited = bool(model.jnt_limited[j])
     hinge = "revolute" if limited else "continuous"
     kinds = {_HINGE: hinge, _SLIDE: "prismatic"}
-    element = ET.SubElement(robot, "joint", name=_name(name), type=kinds[kind])
+    element = ET.SubElement(robot, "joint", name=name, type=kinds[kind])
     ET.SubElement(element, "axis", xyz=_numbers(model.jnt_axis[j]))
     if limited or kind == _SLIDE:
         low, high = model.jnt_range[j] if limited else (-_UNLIMITED, _UNLIMITED)
@@ -140,7 +139,3 @@ def _origin(element: ET.Element, position: Array, rotation: Array) -> None:
 
 def _numbers(values: Array | list[float]) -> str:
     return " ".join(repr(float(x)) for x in values)
-
-
-def _name(text: str) -> str:
-    return text or "robot"

@@ -38,10 +38,7 @@ class YieldSprings:
     softened: float = 1.0
 
     def suited(self, step: float, inertia: float) -> "YieldSprings":
-        """Springs softened as a time step, s, and the joint's inertia, kg m^2, require.
-
-        The torque limits are unchanged.
-        """
+        """Springs as soft as a step, s, and an inertia, kg m^2, require, with the same limits."""
         # explicit springs hold a joint up to h sqrt(K/J) = 1
         stiffest = inertia * (1.0 / step) ** 2
         factor = max(1.0, float(self.stiffness.sum()) / stiffest)
@@ -49,10 +46,8 @@ class YieldSprings:
 
 
 def yield_springs(parameters: Friction, coulomb: float) -> YieldSprings:
-    """Elements nearest to the loops of a law, with a given Coulomb torque in sliding.
+    """Elements nearest to the loops of a law; their limits add up to the Coulomb torque, N m.
 
-    Args:
-        coulomb: N m, the sum of the elements' limits.
     Raises:
         ModelError: the law has no presliding, or does not slide.
     """
@@ -82,8 +77,7 @@ def yield_springs(parameters: Friction, coulomb: float) -> YieldSprings:
 
 
 def _loading(parameters: Friction, q: Array) -> Array:
-    """Torque of elements at displacements that rise from zero, N m, that reproduces the law's
-    loops.
+    """Torque of elements, N m, at displacements that rise from zero: that of the law's loops.
 
     After a reversal, elements change by twice their first loading at half of the displacement
     (Masing). So the curve is taken after a reversal of slow sliding, not from a joint that never

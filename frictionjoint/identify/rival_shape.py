@@ -17,7 +17,7 @@ from frictionjoint.identify.shape import (
     unit_block,
 )
 from frictionjoint.law import bristle, maxwell_slip
-from frictionjoint.law.motion import drive_rival
+from frictionjoint.law.motion import drive_motions
 from frictionjoint.law.names import LAWS
 from frictionjoint.law.stribeck import DELTA, FS, VS
 from frictionjoint.law.tangents.along import driven_with_tangents
@@ -152,7 +152,7 @@ class RivalShape(Shape):
     def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
         """H and rate along motions, by the kernel of the law, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
-        drive_rival(unit_block(self), time, q, edges, H, rate)
+        drive_motions(unit_block(self), time, q, edges, H, rate)
         return H, rate
 
     def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:

@@ -14,7 +14,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Index
 from frictionjoint.identify.law_start import LawStart
 from frictionjoint.law import integrated
-from frictionjoint.law.motion import drive_integrated
+from frictionjoint.law.motion import drive_motions
 from frictionjoint.law.stribeck import DELTA, FS, VS
 from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.law.transition import KNOT_STRIDE
@@ -311,7 +311,7 @@ class IntegratedShape(Shape):
     def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
         """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
         H, rate = np.empty_like(q), np.empty_like(q)
-        drive_integrated(unit_block(self), time, q, edges, H, rate)
+        drive_motions(unit_block(self), time, q, edges, H, rate)
         return H, rate
 
     def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:

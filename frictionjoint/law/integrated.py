@@ -33,6 +33,7 @@ import math
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
+from frictionjoint.law.bristle import total
 from frictionjoint.law.memory import (
     BOUND,
     CAPACITY,
@@ -46,14 +47,15 @@ from frictionjoint.law.memory import (
     VIRGIN,
 )
 from frictionjoint.law.relaxation import advance, distance, rate
-from frictionjoint.law.stribeck import FS, SIGMA2, stribeck_level
+from frictionjoint.law.stribeck import FS, stribeck_level
 from frictionjoint.law.transition import knot_torque, segment_of_torque, slope
 
 RESET_MARGIN = 1e-3
 # far more than `advance` and `distance` differ by
 SHORT = 1e-6
 
-# Layout of P[p:]; a direction block is Fs, Fc, Vs, delta, sigma2 (see stribeck).
+# Layout of P[p:]; a direction block is Fs, Fc, Vs, delta, sigma2 (see stribeck). From sigma1 to the
+# end of these blocks it is that of `bristle`.
 LAMPAERT, MASING, EXPONENT, SIGMA1, POSITIVE = range(5)
 NEGATIVE = POSITIVE + 5
 KNOTS = NEGATIVE + 5
@@ -250,13 +252,6 @@ def _move(P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, S: fl
         _slide(P, p, X, h, s, direction, S, abs(dq))
 
 
-@in_line
-def _total(P: Vector, p: int, Fh: float, slip: float, v: float) -> float:
-    """F = Fh + sigma1 dz/dt + sigma2 v."""
-    sigma2 = P[p + POSITIVE + SIGMA2] if v > 0.0 else P[p + NEGATIVE + SIGMA2]
-    return Fh + (P[p + SIGMA1] * slip + sigma2) * v
-
-
 @compiled
 def step(
     P: Vector, p: int, X: Vector, a: int, h: int, s: int, dq: float, dt: float, v: float
@@ -274,7 +269,7 @@ def step(
         side = p + POSITIVE if dq > 0.0 else p + NEGATIVE
         S = stribeck_level(P, side, abs(dq) / dt if dt > 0.0 else 0.0)
     _move(P, p, X, a, h, s, dq, S)
-    return _total(P, p, X[h + FH], X[h + RATE], v)
+    return total(P, p + SIGMA1, X[h + FH], X[h + RATE], v)
 
 
 @in_line
@@ -366,6 +361,6 @@ def usual_step(
                 X[h + DIRECTION] = direction
                 X[h + FH] = direction * Fh
                 X[h + RATE] = slip
-                return _total(P, p, direction * Fh, slip, v)
+                return total(P, p + SIGMA1, direction * Fh, slip, v)
     _move(P, p, X, a, h, s, dq, S)
-    return _total(P, p, X[h + FH], X[h + RATE], v)
+    return total(P, p + SIGMA1, X[h + FH], X[h + RATE], v)

@@ -57,18 +57,6 @@ def row_size(P: Vector, p: int) -> int:
 
 
 @compiled
-def start_rival(P: Vector, p: int, X: Vector, x: int) -> None:
-    """`start_row` for any law but the integrated one."""
-    n = _rival_header(P, p)
-    for i in range(2 * n):
-        X[x + i] = 0.0
-    # bristles at rest follow the motion one to one; the static law has none
-    if P[p] != STATIC:
-        X[x + bristle.RATE] = 1.0
-        X[x + n + bristle.RATE] = 1.0
-
-
-@compiled
 def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
     """Set a row to a joint that is at rest and has never moved."""
     if P[p] == INTEGRATED:
@@ -76,7 +64,13 @@ def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
         for i in range(HEADER):
             X[x + HEADER + i] = X[x + i]
         return
-    start_rival(P, p, X, x)
+    n = _rival_header(P, p)
+    for i in range(2 * n):
+        X[x + i] = 0.0
+    # bristles at rest follow the motion one to one; the static law has none
+    if P[p] != STATIC:
+        X[x + bristle.RATE] = 1.0
+        X[x + n + bristle.RATE] = 1.0
 
 
 @compiled
@@ -213,12 +207,17 @@ def hysteresis_torque(P: Vector, p: int, X: Vector, x: int) -> float:
     return X[x + _rival_header(P, p) + bristle.FH]
 
 
+@in_line
+def levels_at(P: Vector, p: int) -> int:
+    """Index of sigma1; from there to the levels any law's block is laid out as in `bristle`."""
+    return p + 1 + (integrated.SIGMA1 if P[p] == INTEGRATED else 0)
+
+
 @compiled
 def coulomb_level(P: Vector, p: int) -> float:
     """Mean of the two directions' Coulomb torques, N m."""
-    if P[p] == INTEGRATED:
-        return 0.5 * (P[p + 1 + integrated.POSITIVE + FC] + P[p + 1 + integrated.NEGATIVE + FC])
-    return 0.5 * (P[p + 1 + bristle.POSITIVE + FC] + P[p + 1 + bristle.NEGATIVE + FC])
+    first = levels_at(P, p)
+    return 0.5 * (P[first + bristle.POSITIVE + FC] + P[first + bristle.NEGATIVE + FC])
 
 
 @compiled

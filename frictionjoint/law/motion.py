@@ -7,8 +7,8 @@ from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled, pointer, room
 from frictionjoint.errors import LogError
 from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import commit, row_size, start_rival, start_row, step_rival, step_row
-from frictionjoint.law.memory import CAPACITY, FH, HEADER, RATE, make_room
+from frictionjoint.law.kernel import INTEGRATED, commit, row_size, start_row, step_rival, step_row
+from frictionjoint.law.memory import FH, HEADER, RATE, make_room
 from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction
 
@@ -32,48 +32,32 @@ def drive(P: Vector, time: Vector, position: Vector, F: Vector) -> None:
 
 
 @compiled
-def drive_integrated(
+def drive_motions(
     P: Vector, time: Vector, position: Vector, edges: Index, H: Vector, rate: Vector
 ) -> None:
-    """Fill H with Fh and `rate` with dz/dq along motions, for a block of the integrated law.
+    """Fill H with Fh and `rate` with dz/dq along motions, for a block of any law.
 
     The motions are concatenated: the i-th begins at edges[i] and ends before edges[i + 1]. Each
     starts at rest with a contact that has never moved.
     """
-    block, X = pointer(P, 0), room(HEADER + 2 * CAPACITY)
-    p, h, s = 1, 0, HEADER
+    block, s = pointer(P, 0), 2 * HEADER
+    X = room(row_size(block, 0))
+    slip = RATE if P[0] == INTEGRATED else bristle.RATE
     for i in range(len(edges) - 1):
         first = edges[i]
-        integrated.start(block, p, X, h, s)
+        start_row(block, 0, X, 0)
         H[first] = 0.0
-        rate[first] = 1.0
+        rate[first] = X[slip]
         for k in range(first + 1, edges[i + 1]):
             dq = position[k] - position[k - 1]
             dt = time[k] - time[k - 1]
-            integrated.step(block, p, X, h, h, s, dq, dt, dq / dt)
-            make_room(X, h, s)
+            if P[0] == INTEGRATED:
+                integrated.step(block, 1, X, 0, 0, s, dq, dt, dq / dt)
+                make_room(X, 0, s)
+            else:
+                step_rival(block, 0, X, 0, 0, dq, dt, dq / dt)
             H[k] = X[FH]
-            rate[k] = X[RATE]
-
-
-@compiled
-def drive_rival(
-    P: Vector, time: Vector, position: Vector, edges: Index, H: Vector, rate: Vector
-) -> None:
-    """Like `drive_integrated`, for a block of any other law, which begins with the law's id."""
-    block, p, x = pointer(P, 0), 0, 0
-    X = room(row_size(block, p))
-    for i in range(len(edges) - 1):
-        first = edges[i]
-        start_rival(block, p, X, x)
-        H[first] = 0.0
-        rate[first] = X[bristle.RATE]
-        for k in range(first + 1, edges[i + 1]):
-            dq = position[k] - position[k - 1]
-            dt = time[k] - time[k - 1]
-            step_rival(block, p, X, x, x, dq, dt, dq / dt)
-            H[k] = X[bristle.FH]
-            rate[k] = X[bristle.RATE]
+            rate[k] = X[slip]
 
 
 # quoted: a signature shows the names of these types, not what they stand for

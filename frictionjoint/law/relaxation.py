@@ -155,18 +155,6 @@ def distance_positive(r0: float, r1: float, n: float) -> float:
 
 
 @compiled
-def any_distance(r0: float, r1: float, n: float) -> float:
-    """`distance` for every exponent but 1, where it is finite."""
-    if r0 > 1.0:
-        return _between(-math.log(r0 - 1.0), r0, -math.log(r1 - 1.0), r1, n)
-    if r1 <= 0.0:
-        return _to_zero(-r0, n) - _to_zero(-r1, n)
-    if r0 < 0.0:
-        return _to_zero(-r0, n) + distance_positive(0.0, r1, n)
-    return distance_positive(r0, r1, n)
-
-
-@compiled
 def distance(r0: float, r1: float, n: float) -> float:
     """Displacement a that takes r0 to r1; infinity where r1 is at or past the fixed point 1."""
     if (r0 < 1.0 and r1 >= 1.0) or (r0 > 1.0 and r1 <= 1.0) or r0 == 1.0:
@@ -175,7 +163,13 @@ def distance(r0: float, r1: float, n: float) -> float:
         return math.log((1.0 - r0) / (1.0 - r1))
     if n == 2.0 and r0 > 1.0:
         return 0.5 * math.log(((r1 + 1.0) * (r0 - 1.0)) / ((r1 - 1.0) * (r0 + 1.0)))
-    return any_distance(r0, r1, n)
+    if r0 > 1.0:
+        return _between(-math.log(r0 - 1.0), r0, -math.log(r1 - 1.0), r1, n)
+    if r1 <= 0.0:
+        return _to_zero(-r0, n) - _to_zero(-r1, n)
+    if r0 < 0.0:
+        return _to_zero(-r0, n) + distance_positive(0.0, r1, n)
+    return distance_positive(r0, r1, n)
 
 
 @compiled

@@ -14,7 +14,14 @@ step of the joint alone under the impulse r that remains while Fh is constant:
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque, presliding, trial
+from frictionjoint.law.kernel import (
+    INTEGRATED,
+    header_size,
+    hysteresis_torque,
+    levels_at,
+    presliding,
+    trial,
+)
 from frictionjoint.law.memory import CAPACITY, DIRECTION, FB, FH, HEADER, N_MAX, N_MIN, RATE, VIRGIN
 from frictionjoint.law.stribeck import FS, SIGMA2
 from frictionjoint.law.transition import segment_of_torque, slope
@@ -48,13 +55,6 @@ def _tangent(
 
 
 @in_line
-def _side(P: Vector, p: int, way: float) -> int:
-    """Index of the first level for motion in that direction."""
-    first = p + 1 + (integrated.POSITIVE if P[p] == INTEGRATED else bristle.POSITIVE)
-    return first if way > 0.0 else first + bristle.NEGATIVE - bristle.POSITIVE
-
-
-@in_line
 def _is_full(P: Vector, p: int, X: Vector, x: int) -> bool:
     """Whether the stacks have no room for another extremum."""
     h = x + HEADER
@@ -71,7 +71,7 @@ def secant(P: Vector, p: int, X: Vector, x: int, h: float, w: float) -> tuple[fl
     Args: h: s, the step. w: rad/s, expected at its end.
     """
     stiffest, sigma1 = presliding(P, p)
-    side = _side(P, p, w)
+    side = bristle.side(levels_at(P, p), w)
     Fs, sigma2 = P[side + FS], P[side + SIGMA2]
     now = hysteresis_torque(P, p, X, x)
     if abs(h * w) * stiffest <= REST * Fs or _is_full(P, p, X, x):
@@ -94,7 +94,7 @@ def implicit_step(
     """
     stiffest, sigma1 = presliding(P, p)
     way = 1.0 if impulse > 0.0 else -1.0
-    side = _side(P, p, impulse)
+    side = bristle.side(levels_at(P, p), impulse)
     Fs, sigma2 = P[side + FS], P[side + SIGMA2]
     now = hysteresis_torque(P, p, X, x)
     tangent, rate = _tangent(P, p, X, x, stiffest, way)

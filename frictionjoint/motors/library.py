@@ -7,7 +7,7 @@ writes them all.
 """
 
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
@@ -18,12 +18,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction
 from frictionjoint.joint_friction import JointFriction
-
-# what a file says of a motor, all of it text but the numbers of the fit
-TEXTS = (
-    *("title", "joint", "model", "source", "licence", "conditions", "command", "version", "logs"),
-    *("verdict", "remark"),
-)
 
 
 @dataclass(frozen=True)
@@ -68,6 +62,10 @@ class Motor:
     found: dict[str, dict[str, float]]
     friction: JointFriction
     units: dict[str, dict[str, float]] = field(default_factory=dict)
+
+
+# what a file says of a motor, all of it text but the numbers of the fit
+TEXTS = tuple(x.name for x in fields(Motor) if x.type is str and x.name not in ("name", "unit"))
 
 
 def list_motors(folder: Traversable | None = None) -> list[Motor]:

@@ -285,7 +285,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
                 part.acts[number] = (needed(other)[0] - base) / by
             columns.append(part.acts[number])
     columns.append(-np.gradient(acted, recording.step))
-    every = max(1, int(1.0 / (A_BALANCE * recording.smooth.corner_hz * recording.step)))
+    every = max(1, int(1.0 / (A_BALANCE * recording.filter.corner_hz * recording.step)))
     kept = np.flatnonzero(recording.known[known.joint])[::every]
     # in presliding, and at velocities that the encoder does not resolve, the position hardly
     # determines the torque and the law's error is largest; the filter of the motion spreads it

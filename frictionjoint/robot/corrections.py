@@ -15,7 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.rigid_body import TURNS, RigidBody, RigidBodyTorque, direction
 from frictionjoint.robot.inertia import of_model, write
-from frictionjoint.simulate.shaft_wave import ShaftWave, add_wave
+from frictionjoint.simulate.shaft_wave import add_wave
 
 SHAFT_NUMBERS = ("level", "viscous", "concave", "inertia", "sin", "cos")
 
@@ -155,8 +155,8 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
         tendon.wrap_joint(shaft.joints[1], shaft.ratio)
         if shaft.waves:
             turns_over = TURNS * shaft.top
-            wave = ShaftWave(shaft.ratio, shaft.waves, shaft.sin, shaft.cos, turns_over)
-            add_wave(spec, tendon.name, wave)
+            wave = shaft.ratio, shaft.waves, shaft.sin, shaft.cos
+            add_wave(spec, tendon.name, *wave, turns_over)
 
 
 def _keep_inertias(spec: mujoco.MjSpec, model: mujoco.MjModel, phi: Array) -> None:

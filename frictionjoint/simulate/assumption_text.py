@@ -1,5 +1,4 @@
-"""The text ``<custom><text name="frictionjoint-assumed:JOINT">``: what is assumed about a
-friction."""
+"""What is assumed about a friction: ``<custom><text name="frictionjoint-assumed:JOINT">``."""
 
 import mujoco
 
@@ -17,12 +16,7 @@ def assumed(model: mujoco.MjModel, joint: str) -> list[str]:
 
 
 def remove_assumed(spec: mujoco.MjSpec, joint: str) -> None:
-    """Remove the text of a joint from a spec, also with a prefix of ``MjSpec.attach``.
-
-    Args:
-        spec: changed in place.
-        joint: name, with its prefix.
-    """
+    """Remove the text of a joint, its name with the prefix of ``MjSpec.attach``, from a spec."""
     for text in list(spec.texts):
         if without_tag(text.name, ASSUMED) == joint:
             spec.delete(text)

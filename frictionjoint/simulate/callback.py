@@ -30,10 +30,6 @@ def _whole(owner: Any, name: Any) -> list[Any]:
     return [value.size if isinstance(value, np.ndarray) else value]
 
 
-def _flags(owner: Any, name: Any) -> Any:
-    return _field(owner, name).view(np.bool_)
-
-
 def _give_back_projection(data: mujoco.MjData) -> None:
     """`native.give_back_projection`; its fields are no attributes."""
     fields = data_structure().from_address(data._address)
@@ -41,10 +37,6 @@ def _give_back_projection(data: mujoco.MjData) -> None:
     lowest = min((begin for begin in begins if begin), default=None)
     if lowest is not None:
         fields.parena = lowest - fields.arena
-
-
-def _nothing(data: mujoco.MjData) -> None:
-    """Python's own memory needs no mark."""
 
 
 def _names(names: tuple[str, ...], *owners: type) -> list[Any]:
@@ -58,14 +50,15 @@ _IN_PYTHON: dict[str, Any] = {
     ],
     **dict.fromkeys(("reals", "shorts", "reals_in", "shorts_in"), _field),
     "wholes_in": _whole,
-    "flags": _flags,
+    "flags": lambda owner, name: _field(owner, name).view(np.bool_),
     "lacks_room": lacks_room,
     "give_back_projection": _give_back_projection,
     "warn_of_no_room_in_c": lambda model: warn_of_no_room(model._address),
     "make_ready_in_c": make_ready,
     **{n: getattr(mujoco, n) for n in ("mj_factorM", "mj_mulM", "mj_projectConstraint", "mj_rne")},
     "mj_stackAllocNum": lambda data, n: np.zeros(n),
-    **dict.fromkeys(("mj_markStack", "mj_freeStack"), _nothing),
+    # Python's own memory needs no mark
+    **dict.fromkeys(("mj_markStack", "mj_freeStack"), lambda data: None),
 }
 
 

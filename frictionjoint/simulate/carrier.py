@@ -18,22 +18,8 @@ from frictionjoint.laws import unpack
 from frictionjoint.model_files import ONE_DOF, compiling, not_xml
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.block import (
-    COUNT,
-    DOF,
-    EFFECTS,
-    HEAD,
-    JOINT,
-    MAGIC,
-    QPOS,
-    RESOLVED,
-    ROW,
-    TAG,
-    VERSION,
-    blocks,
-    have_rows,
-    rows_of_block,
-)
+from frictionjoint.simulate import block as slot
+from frictionjoint.simulate.block import TAG, blocks, have_rows, rows_of_block
 from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
 from frictionjoint.simulate.model_view import ModelView, names_of
 from frictionjoint.simulate.motor_demand import check_motors, gives_less
@@ -118,7 +104,7 @@ def install(
     for name, parameters in friction.items():
         block = made[name]
         # larger whole numbers do not survive six digits
-        block[ROW] = own + 1 if own < 999_999 else 0
+        block[slot.ROW] = own + 1 if own < 999_999 else 0
         numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
         assert numeric is not None
         n_effects = len(carried[name])
@@ -144,7 +130,7 @@ def heating_first(effects: Sequence[SimulatedEffect]) -> list[SimulatedEffect]:
 
 def _encode(law: Array, effects: list[SimulatedEffect]) -> Array:
     numbers = np.concatenate([law, [float(len(effects))], *(e.pack() for e in effects)])
-    head = np.array([MAGIC, VERSION, 0, 0, 0, 0, 0, len(numbers), HEAD + len(law)])
+    head = np.array([slot.MAGIC, slot.VERSION, 0, 0, 0, 0, 0, len(numbers), slot.HEAD + len(law)])
     return np.concatenate([head, numbers, pieces(numbers)])
 
 
@@ -168,20 +154,19 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
     sizes, made = {}, []
     for name, at in found.items():
         _check_block(model, name, at, ids)
-        n = int(model.numeric_data[at + COUNT])
-        exact = model.numeric_data[at + HEAD : at + HEAD + n]
-        if _size(model, at) > HEAD + n:
-            exact[:] = _exact(exact, model.numeric_data[at + HEAD + n : at + HEAD + 5 * n])
-        law = int(model.numeric_data[at + EFFECTS]) - HEAD
-        unpack(exact[:law])
-        carried = read_effects(exact[law:], f"numeric {TAG}{name}")
+        begin = at + slot.HEAD
+        end = begin + int(model.numeric_data[at + slot.COUNT])
+        exact = model.numeric_data[begin:end]
+        if _size(model, at) > end - at:
+            exact[:] = _exact(exact, model.numeric_data[end : end + 4 * len(exact)])
+        carried = _friction_at(model, name, at).effects
         mechanical = [e.effect.name for e in carried if e.effect.acts == "mechanism"]
         if mechanical and name + DEFLECTION not in ids:
             raise ModelError(
                 f"joint {name!r} has {mechanical[0]}, but its joint {name + DEFLECTION!r} is "
                 "missing: install the friction again"
             )
-        made.append(model.numeric_data[at : at + HEAD + n])
+        made.append(model.numeric_data[at:end])
         sizes[name] = rows_of_block(made[-1])
     need = sum(sizes.values())
     if in_userdata and not have_rows(made, model.nuserdata):
@@ -193,24 +178,24 @@ def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict
             )
         make_room(model, need)
     if isinstance(model, mujoco.MjModel) and not any(
-        model.numeric_data[at + RESOLVED] for at in found.values()
+        model.numeric_data[at + slot.RESOLVED] for at in found.values()
     ):
         _move_together(model)
         found = blocks(model)
     row = model.nuserdata - need
     for name, at in found.items():
         joint = ids[name]
-        if gives_less(model.numeric_data, at + int(model.numeric_data[at + EFFECTS])):
+        if gives_less(model.numeric_data, at + int(model.numeric_data[at + slot.EFFECTS])):
             check_motors(model, name, joint)
-        model.numeric_data[at + QPOS] = model.jnt_qposadr[joint]
-        model.numeric_data[at + DOF] = model.jnt_dofadr[joint]
-        model.numeric_data[at + JOINT] = joint
-        model.numeric_data[at + ROW] = row
+        model.numeric_data[at + slot.QPOS] = model.jnt_qposadr[joint]
+        model.numeric_data[at + slot.DOF] = model.jnt_dofadr[joint]
+        model.numeric_data[at + slot.JOINT] = joint
+        model.numeric_data[at + slot.ROW] = row
         row += sizes[name]
     resolve_waves(model)
     # last: another thread may be looking
     for at in found.values():
-        model.numeric_data[at + RESOLVED] = 1.0
+        model.numeric_data[at + slot.RESOLVED] = 1.0
     return found
 
 
@@ -237,7 +222,7 @@ def _move_together(model: mujoco.MjModel) -> None:
         at, size = int(model.numeric_adr[i]), int(model.numeric_size[i])
         if TAG not in name:
             continue
-        n = HEAD + int(model.numeric_data[at + COUNT])
+        n = slot.HEAD + int(model.numeric_data[at + slot.COUNT])
         if at != end:
             to = at
         end = at + size
@@ -249,19 +234,20 @@ def _move_together(model: mujoco.MjModel) -> None:
 def _check_block(
     model: mujoco.MjModel | ModelView, name: str, at: int, ids: Mapping[str, int]
 ) -> None:
-    head = model.numeric_data[at : at + HEAD]
+    head = model.numeric_data[at : at + slot.HEAD]
     where = f"numeric {TAG}{name}"
     size = _size(model, at)
-    if size < HEAD or head[0] != MAGIC:
+    if size < slot.HEAD or head[0] != slot.MAGIC:
         raise ModelError(f"{where} is no friction block: install the friction again")
-    if head[1] != VERSION:
-        raise ModelError(f"{where} has version {head[1]:g}, this package reads {VERSION:g}")
+    if head[1] != slot.VERSION:
+        raise ModelError(f"{where} has version {head[1]:g}, this package reads {slot.VERSION:g}")
     if not np.isfinite(head).all() or np.any(head != np.round(head)):
         raise ModelError(f"{where} was edited by hand: install the friction again")
-    n = int(head[COUNT])
-    if size not in (HEAD + n, HEAD + 5 * n) or not HEAD < head[EFFECTS] < HEAD + n:
-        raise ModelError(f"{where} has {size} numbers, not {HEAD + 5 * n}: install it again")
-    pieces = model.numeric_data[at + HEAD + n : at + size]
+    short = slot.HEAD + int(head[slot.COUNT])
+    whole = 5 * short - 4 * slot.HEAD
+    if size not in (short, whole) or not slot.HEAD < head[slot.EFFECTS] < short:
+        raise ModelError(f"{where} has {size} numbers, not {whole}: install it again")
+    pieces = model.numeric_data[at + short : at + size]
     if np.any((pieces != np.round(pieces)) | (pieces < 0.0) | (pieces > 65535.0)):
         raise ModelError(f"{where} was edited by hand: install the friction again")
     if name not in ids:
@@ -275,11 +261,8 @@ def _check_block(
 
 
 def read_effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
-    """Read a block of effects: their count, then id, length and numbers of each.
-
-    Raises:
-        ModelError: damaged, in `where`.
-    """
+    """Read a block of effects: their count, then id, length and numbers of each; a ModelError that
+    names `where` if it is damaged."""
     known = {float(effect.effect_id): effect for effect in SIMULATED}
     found, at = [], 1
     while np.isfinite(numbers).all() and at + 1 < len(numbers):
@@ -297,14 +280,15 @@ def read_effects(numbers: Array, where: str) -> tuple[SimulatedEffect, ...]:
 
 def read_friction(model: mujoco.MjModel) -> dict[str, JointFriction]:
     """Friction in a model, by joint name, exactly as it was installed."""
-    found = {}
-    for name, at in resolve(model).items():
-        n = int(model.numeric_data[at + COUNT])
-        numbers = np.array(model.numeric_data[at + HEAD : at + HEAD + n])
-        k = int(model.numeric_data[at + EFFECTS]) - HEAD
-        effects = read_effects(numbers[k:], f"numeric {TAG}{name}")
-        found[name] = JointFriction(unpack(numbers[:k]), effects)
-    return found
+    return {name: _friction_at(model, name, at) for name, at in resolve(model).items()}
+
+
+def _friction_at(model: mujoco.MjModel | ModelView, name: str, at: int) -> JointFriction:
+    """Friction in a block with its exact numbers."""
+    first, law = at + slot.HEAD, int(model.numeric_data[at + slot.EFFECTS]) - slot.HEAD
+    numbers = np.array(model.numeric_data[first : first + int(model.numeric_data[at + slot.COUNT])])
+    parameters = unpack(numbers[:law])
+    return JointFriction(parameters, read_effects(numbers[law:], f"numeric {TAG}{name}"))
 
 
 def load_model(path: str | Path) -> mujoco.MjModel:

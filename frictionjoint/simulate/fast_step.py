@@ -18,6 +18,7 @@ import numpy as np
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import in_line
+from frictionjoint.law import memory
 from frictionjoint.law.integrated import (
     KNOTS,
     MASING,
@@ -28,37 +29,9 @@ from frictionjoint.law.integrated import (
     undisturbed,
 )
 from frictionjoint.law.kernel import INTEGRATED
-from frictionjoint.law.memory import (
-    BOUND,
-    CAPACITY,
-    DIRECTION,
-    FB,
-    FH,
-    FORGOTTEN,
-    HEADER,
-    N_MAX,
-    N_MIN,
-    RATE,
-    VIRGIN,
-)
 from frictionjoint.law.secant import REST, SMALL, implicit_step
 from frictionjoint.law.stribeck import FS, SIGMA2, stribeck_level
-from frictionjoint.simulate.row import (
-    ASTRAY,
-    FRONT,
-    GAIN,
-    LEAP,
-    Q_EVALUATED,
-    STARTED,
-    T_COMMITTED,
-    T_EVALUATED,
-    TORQUE,
-    V_EVALUATED,
-    commit_effects,
-    commit_point,
-    rare_torque,
-    shared_out,
-)
+from frictionjoint.simulate import row
 
 # negligible torque, as a fraction of the breakaway torque: some hundred times its rounding error
 NOTHING = 2.0**-44
@@ -83,18 +56,18 @@ def usual_torque(
     Returns NaN if the step is not a usual one; the row is then unchanged. For the arguments see
     `row.torque_now` and `row.over_the_step`.
     """
-    evaluated = X[x + T_EVALUATED]
-    since = evaluated - X[x + T_COMMITTED]
+    evaluated = X[x + row.T_EVALUATED]
+    since = evaluated - X[x + row.T_COMMITTED]
     gap = t - evaluated
     later = gap > 0.0
-    front, a, dt = x + T_EVALUATED, x + FRONT + HEADER, gap
+    front, a, dt = x + row.T_EVALUATED, x + row.FRONT + memory.HEADER, gap
     if not later:
-        front, a, dt = x + T_COMMITTED, x + FRONT, since
+        front, a, dt = x + row.T_COMMITTED, x + row.FRONT, since
     if (
         P[p] != INTEGRATED
-        or X[x + STARTED] == 0.0
-        or not (gap >= 0.0 and gap <= LEAP * max(h, since) and dt > 0.0)
-        or not (math.fabs(q) <= ASTRAY and math.fabs(v) <= ASTRAY)
+        or X[x + row.STARTED] == 0.0
+        or not (gap >= 0.0 and gap <= row.LEAP * max(h, since) and dt > 0.0)
+        or not (math.fabs(q) <= row.ASTRAY and math.fabs(v) <= row.ASTRAY)
     ):
         return np.nan
     first = p + 1
@@ -107,15 +80,20 @@ def usual_torque(
     # computed first, so that no other value must be kept during the call
     S = stribeck_level(P, side, dx / dt) if moves else 0.0
     was, constant, gain = X[front + 2], X[front + 3], X[front + 4]
-    Fh, Fb, turned = X[a + FH], X[a + FB], X[a + DIRECTION]
-    n_min, n_max, virgin, rate = X[a + N_MIN], X[a + N_MAX], X[a + VIRGIN], X[a + RATE]
-    stack = x + FRONT + 2 * HEADER
+    Fh, Fb, turned = X[a + memory.FH], X[a + memory.FB], X[a + memory.DIRECTION]
+    n_min, n_max, virgin, rate = (
+        X[a + memory.N_MIN],
+        X[a + memory.N_MAX],
+        X[a + memory.VIRGIN],
+        X[a + memory.RATE],
+    )
+    stack = x + row.FRONT + 2 * memory.HEADER
     if (
-        n_min >= CAPACITY
-        or n_max >= CAPACITY
+        n_min >= memory.CAPACITY
+        or n_max >= memory.CAPACITY
         or (virgin == 1.0 and P[first + MASING] == 1.0)
         or X[stack] != -P[first + NEGATIVE + FS]
-        or X[stack + CAPACITY] != P[first + POSITIVE + FS]
+        or X[stack + memory.CAPACITY] != P[first + POSITIVE + FS]
     ):
         return np.nan
     f, b, way, lows, highs, slip = Fh, Fb, turned, n_min, n_max, rate
@@ -130,7 +108,7 @@ def usual_torque(
                 X[stack + int(n_min)] = f
                 lows = n_min + 1.0
             else:
-                X[stack + CAPACITY + int(n_max)] = f
+                X[stack + memory.CAPACITY + int(n_max)] = f
                 highs = n_max + 1.0
         top = closing_torque(X, a, stack, way)
         wiped = virgin == 0.0 and lows == 1.0 and highs == 1.0
@@ -141,24 +119,24 @@ def usual_torque(
         known, tangent = True, K * slip
     # The step is a usual one. The row is written only from here on.
     if later:
-        commit_effects(P, p, effects, X, x)
-        commit_point(X, x)
-        for i in range(HEADER):
-            X[x + FRONT + i] = X[a + i]
-    e = x + FRONT + HEADER
-    X[x + T_EVALUATED] = t
-    X[x + Q_EVALUATED] = place
-    X[x + V_EVALUATED] = v
-    X[e + FH] = f
-    X[e + FB] = b
-    X[e + DIRECTION] = way
-    X[e + N_MIN] = lows
-    X[e + N_MAX] = highs
-    X[e + VIRGIN] = virgin
-    X[e + RATE] = slip
+        row.commit_effects(P, p, effects, X, x)
+        row.commit_point(X, x)
+        for i in range(memory.HEADER):
+            X[x + row.FRONT + i] = X[a + i]
+    e = x + row.FRONT + memory.HEADER
+    X[x + row.T_EVALUATED] = t
+    X[x + row.Q_EVALUATED] = place
+    X[x + row.V_EVALUATED] = v
+    X[e + memory.FH] = f
+    X[e + memory.FB] = b
+    X[e + memory.DIRECTION] = way
+    X[e + memory.N_MIN] = lows
+    X[e + memory.N_MAX] = highs
+    X[e + memory.VIRGIN] = virgin
+    X[e + memory.RATE] = slip
     if not later:
-        X[e + FORGOTTEN] = X[a + FORGOTTEN]
-        X[e + BOUND] = X[a + BOUND]
+        X[e + memory.FORGOTTEN] = X[a + memory.FORGOTTEN]
+        X[e + memory.BOUND] = X[a + memory.BOUND]
     # the same computation as in `over_the_step` and `secant.implicit_step`
     inertia = 1.0 / weight if weight > 0.0 and J * weight > 1.0 else J
     impulse = inertia * v + h * (inertia * (v - was) / dt + (constant + gain * v) - f - bent)
@@ -177,10 +155,10 @@ def usual_torque(
                 K, D = max(0.0, tangent), damping
                 constant += sigma1 * min(0.0, slip) * ahead * w
         if not known:
-            constant, K, D, elastic = implicit_step(P, p, X, x + FRONT, h, inertia, impulse)
-    constant, gain = shared_out(constant, K, D, elastic, h, v, inertia, weight)
-    X[x + TORQUE] = constant
-    X[x + GAIN] = gain
+            constant, K, D, elastic = implicit_step(P, p, X, x + row.FRONT, h, inertia, impulse)
+    constant, gain = row.shared_out(constant, K, D, elastic, h, v, inertia, weight)
+    X[x + row.TORQUE] = constant
+    X[x + row.GAIN] = gain
     return constant + gain * v
 
 
@@ -203,4 +181,4 @@ def joint_torque(
     F = usual_torque(P, p, effects, X, x, t, q, v, h, J, weight) if h > 0.0 else np.nan
     if F == F:
         return F
-    return rare_torque(P, p, effects, X, x, t, q, v, step, h, J, weight)
+    return row.rare_torque(P, p, effects, X, x, t, q, v, step, h, J, weight)

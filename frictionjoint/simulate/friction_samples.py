@@ -19,11 +19,8 @@ Samples = Mapping[str, Sequence[Friction | JointFriction] | str | Path]
 class FrictionSamples:
     """Parameter sets of joints, of which each episode draws one per joint.
 
-    Args:
-        samples: by name of the joint, see `Samples`.
     Raises:
-        ModelError: no samples of a joint.
-        ParameterError: a file that cannot be read.
+        ModelError: no samples of a joint. ParameterError: a file that cannot be read.
     """
 
     def __init__(self, samples: Samples) -> None:
@@ -36,10 +33,8 @@ class FrictionSamples:
                 raise ModelError(f"joint {joint!r} has no samples: give at least one")
 
     def draw(self, model: mujoco.MjModel, random: np.random.Generator) -> dict[str, int]:
-        """Give each joint of a compiled model one of its samples.
+        """Give each joint of a compiled model one of its samples; returns its number, by joint.
 
-        Returns:
-            number of the sample by name of the joint.
         Raises:
             ModelError: see `set_parameters`.
         """

@@ -20,11 +20,8 @@ def callback_is_off(model: mujoco.MjModel) -> bool:
 
 
 def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, int]) -> None:
-    """Warn once per model if it was stepped and its friction was not evaluated.
-
-    Args:
-        model: resolved. data: of that model. found: addresses of its blocks by joint name.
-    """
+    """Warn once per resolved model if it was stepped and its friction was not evaluated; `found`:
+    addresses of its blocks by joint."""
     off = callback_is_off(model)
     if (is_installed() and not off) or model._address in _warned:
         return

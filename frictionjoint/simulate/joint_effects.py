@@ -4,43 +4,19 @@ import numpy as np
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line, room
+from frictionjoint.effects import signals
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.effects.kernel import MEMORY, total_torque
-from frictionjoint.effects.signals import (
-    ASKED,
-    DT,
-    GEAR,
-    GX,
-    GY,
-    HALT,
-    LOAD,
-    LOSS,
-    N_SIGNALS,
-    TEMP,
-    TIME,
-    A,
-    H,
-    Q,
-    V,
-)
 from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.simulate.row import (
-    FRONT,
-    GAIN_COMMITTED,
-    Q_COMMITTED,
-    T_COMMITTED,
-    T_EVALUATED,
-    TORQUE_COMMITTED,
-    V_COMMITTED,
-)
+from frictionjoint.simulate import row
 
 _HEATING = float(HEATING.effect_id)
 _LOADED = tuple(
     float(effect.effect_id)
     for effect in SIMULATED
-    if effect.acts == "torque" and {LOAD, GEAR} & {*effect.needs}
+    if effect.acts == "torque" and {signals.LOAD, signals.GEAR} & {*effect.needs}
 )
 
 
@@ -69,22 +45,22 @@ def effects_torque(
     this acceleration. `asked` is the torque command of the joint's motors before saturation. An
     effect `heating` is evaluated first, with the friction loss since the committed point.
     """
-    sig = room(N_SIGNALS)
-    dt = t - X[x + T_COMMITTED]
-    sig[TIME] = t
-    sig[Q] = q
-    sig[V] = v
-    sig[A] = (v - X[x + V_COMMITTED]) / dt if dt > 0.0 else 0.0
-    sig[GEAR] = bias + inertia * sig[A]
-    sig[LOAD] = sig[GEAR] + armature * sig[A]
-    sig[GX] = gx
-    sig[GY] = gy
-    sig[DT] = dt
-    sig[HALT] = (inertia + armature) / dt if dt > 0.0 else 0.0
-    sig[ASKED] = asked
-    sig[TEMP] = np.nan  # until `heating` says it
-    law = x + FRONT
-    sig[H] = hysteresis_torque(P, p, X, law) / coulomb_level(P, p)
+    sig = room(signals.N_SIGNALS)
+    dt = t - X[x + row.T_COMMITTED]
+    sig[signals.TIME] = t
+    sig[signals.Q] = q
+    sig[signals.V] = v
+    sig[signals.A] = (v - X[x + row.V_COMMITTED]) / dt if dt > 0.0 else 0.0
+    sig[signals.GEAR] = bias + inertia * sig[signals.A]
+    sig[signals.LOAD] = sig[signals.GEAR] + armature * sig[signals.A]
+    sig[signals.GX] = gx
+    sig[signals.GY] = gy
+    sig[signals.DT] = dt
+    sig[signals.HALT] = (inertia + armature) / dt if dt > 0.0 else 0.0
+    sig[signals.ASKED] = asked
+    sig[signals.TEMP] = np.nan  # until `heating` says it
+    law = x + row.FRONT
+    sig[signals.H] = hysteresis_torque(P, p, X, law) / coulomb_level(P, p)
     n = MEMORY * int(P[effects])
     memory = law + law_row_size(P, p)
     for i in range(n):
@@ -92,8 +68,8 @@ def effects_torque(
     heats = P[effects + 1] == _HEATING
     if heats:
         # the work of the last step over its time; its second number is the torque of the effects
-        acted = X[x + TORQUE_COMMITTED] + X[x + GAIN_COMMITTED] * v + X[memory + 1]
-        sig[LOSS] = acted * (q - X[x + Q_COMMITTED]) / dt if dt > 0.0 else 0.0
+        acted = X[x + row.TORQUE_COMMITTED] + X[x + row.GAIN_COMMITTED] * v + X[memory + 1]
+        sig[signals.LOSS] = acted * (q - X[x + row.Q_COMMITTED]) / dt if dt > 0.0 else 0.0
     total = total_torque(P, effects, sig, X, memory + n, memory + 2 * n)
     if heats:
         X[memory + n + 1] = total
@@ -123,8 +99,8 @@ def coupled_load(
     step. At a start it is zero. The value is stored in the part of the memory of `effect` that this
     effect does not use.
     """
-    at = x + FRONT + law_row_size(P, p) + MEMORY * effect + MEMORY - 1
-    if later and X[x + T_EVALUATED] > X[x + T_COMMITTED]:
+    at = x + row.FRONT + law_row_size(P, p) + MEMORY * effect + MEMORY - 1
+    if later and X[x + row.T_EVALUATED] > X[x + row.T_COMMITTED]:
         X[at] = others
     return X[at]
 

@@ -51,7 +51,7 @@ class _Spring:
 
     Attributes:
         inertia: behind it, kg m^2. rate: rad/s, natural frequency of the link with the motor held.
-        damping_ratio: 1, at that rate. half_gap: rad. least_rotor: kg m^2.
+        damping_ratio: at that rate. half_gap: rad. least_rotor: kg m^2.
     """
 
     inertia: float
@@ -72,11 +72,8 @@ class _Spring:
 
 
 def require_place(spec: mujoco.MjSpec, name: str) -> None:
-    """Check that a joint can have a deflection behind it.
-
-    Raises:
-        ModelError: another joint of its body comes after it, or the deflection's name is taken.
-    """
+    """Raise ModelError if a joint can have no deflection behind it: another joint of its body comes
+    after it, or the deflection's name is taken."""
     joint = spec.joint(name)
     own = [other.name for other in joint.parent.joints]
     if own[-1] != name:
@@ -91,8 +88,7 @@ def require_place(spec: mujoco.MjSpec, name: str) -> None:
 def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect, Array]]) -> None:
     """Put a deflection behind a joint; changed in place, keyframes too.
 
-    Args:
-        effects: of the mechanism, each with its numbers, shape then coefficients.
+    Each effect of the mechanism comes with its numbers, shape then coefficients.
     """
     model = spec.copy().compile()
     j = model.joint(name).id
@@ -156,11 +152,7 @@ def remove_mechanism(spec: mujoco.MjSpec, name: str) -> None:
 
 
 def require_flags(model: mujoco.MjModel, name: str) -> None:
-    """Check that the flags of a model let a joint's deflection spring back.
-
-    Raises:
-        ModelError: they do not.
-    """
+    """Raise ModelError if a flag of the model keeps a joint's deflection from springing back."""
     j = deflection(model, name)
     if j < 0:
         return
@@ -232,12 +224,8 @@ def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) 
 
 
 def _nearer(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
-    """Reduce the inertia about a hinge's axis by moving the mass nearer, with the same first
-    moment.
-
-    Returns:
-        False if other joints feel the mass, or if its distance does not suffice.
-    """
+    """Reduce the inertia about a hinge by moving the mass nearer, with its first moment kept;
+    False if other joints feel the mass, or if its distance does not suffice."""
     if not _own_inertia(spec, model, j) or model.dof_parentid[model.jnt_dofadr[j]] >= 0:
         return False
     b = int(model.jnt_bodyid[j])

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from frictionjoint.simulate.layout import model_extents, model_structure
@@ -32,12 +33,8 @@ class ModelView:
         return np.ctypeslib.as_array(array).reshape(shape)
 
 
-def names_of(model: Any, kind: str) -> list[str]:
-    """Names of all objects of a kind, as mjModel abbreviates it ("jnt"), "" for one without.
-
-    Args:
-        model: an MjModel or a `ModelView`.
-    """
+def names_of(model: mujoco.MjModel | ModelView, kind: str) -> list[str]:
+    """Names of all objects of a kind, as mjModel abbreviates it ("jnt"), "" for one without."""
     letters = bytes(model.names)
     begins = getattr(model, f"name_{kind}adr")
     return [letters[begin : letters.index(0, begin)].decode() for begin in begins]
@@ -50,12 +47,8 @@ def without_tag(name: str, tag: str) -> str | None:
     return prefix + rest if own else None
 
 
-def tagged_numerics(model: Any, tag: str) -> dict[str, int]:
-    """Address in ``numeric_data`` of each numeric with a tag in its name, by the rest of the name.
-
-    Args:
-        model: an MjModel or a `ModelView`.
-    """
+def tagged_numerics(model: mujoco.MjModel | ModelView, tag: str) -> dict[str, int]:
+    """Address in ``numeric_data`` of each numeric with a tag in its name, by the rest of it."""
     names = (without_tag(name, tag) for name in names_of(model, "numeric"))
     pairs = zip(names, model.numeric_adr, strict=True)
     return {name: int(address) for name, address in pairs if name is not None}

@@ -97,11 +97,7 @@ def motors_of(model: mujoco.MjModel | ModelView, joint: int) -> list[int]:
 
 
 def check_motors(model: mujoco.MjModel | ModelView, name: str, joint: int) -> None:
-    """Check that `commanded_torque` supports the motors that deliver less than commanded.
-
-    Raises:
-        ModelError: an actuator of another kind on the joint, or none.
-    """
+    """Raise ModelError where `commanded_torque` does not support the actuators on a joint."""
     found = motors_of(model, joint)
     if not found:
         raise ModelError(

@@ -201,11 +201,7 @@ def both(m: Address, d: Address) -> None:
 
 
 def build_both(first: int) -> Any:
-    """The callback `both`, as a ctypes function of its own.
-
-    Args:
-        first: address of the user's callback; there is one for the process.
-    """
+    """The callback `both` with the address of a user's callback, one for the process."""
     build_native()
     first_callback.bind(first)
     return CALLBACK(entry_point(both))
@@ -223,14 +219,6 @@ def build_native() -> Any:
         *(model_at.get(name, 0) for name in MODEL_NAMES),
         *(data_at.get(name, 0) for name in DATA_NAMES),
     ]
-    bind_mujoco(
-        mj_factorM,
-        mj_freeStack,
-        mj_markStack,
-        mj_mulM,
-        mj_projectConstraint,
-        mj_rne,
-        mj_stackAllocNum,
-    )
+    bind_mujoco()
     bind_python()
     return CALLBACK(entry_point(native))

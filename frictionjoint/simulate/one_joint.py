@@ -21,7 +21,7 @@ from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.joint_effects import effects_torque
-from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, evaluate, row_size, torque_now
+from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, rare_torque, row_size, torque_now
 
 # rows of `Load.numbers`; mean, cosine and sine of each unit torque
 INERTIA, COS, SIN, REST, GX = range(5)
@@ -156,14 +156,12 @@ def simulate(
 
 
 class _Given(NamedTuple):
-    """Constants of a run.
+    """Constants of a run; for those not named here see `JointModel`, `Run` and `Load`.
 
     Attributes:
-        P: block of the law, then of the effects. effects: where those begin.
-        B: block of the controller. motor: gain, back-EMF, inertia and lag, in steps.
-        load: see `Load.numbers`. body: armature, stiffness and rest of `Load`.
-        step, target, supply, on: see `Run`. q, v: measured motion, shape (n,), or (0,) without.
-        temperature, thermal: see `Run` and `JointModel`; empty if it was not measured.
+        P: numbers of the model. B: block of the controller.
+        motor: gain, back-EMF, inertia and lag, in steps. body: armature, stiffness and rest.
+        q, v: measured motion, shape (n,), or (0,) without. temperature, thermal: empty without.
         began: whether the drive starts at the first step; then a lag finds no earlier drive.
     """
 
@@ -182,13 +180,6 @@ class _Given(NamedTuple):
     temperature: Array
     thermal: Array
     began: bool
-
-
-@in_line
-def _warm(given: _Given, X: Vector, k: int) -> None:
-    """Write the temperature of step k into the effects' memory."""
-    for i in range(len(given.thermal)):
-        X[int(given.thermal[i, 0])] = given.temperature[k] - given.thermal[i, 1]
 
 
 @in_line
@@ -216,7 +207,8 @@ def _effects(
     gx = load[GX, i] + load[GX + 1, i] * c + load[GX + 2, i] * s
     gy = load[GY, i] + load[GY + 1, i] * c + load[GY + 2, i] * s
     behind = load[INERTIA, i] - body[0]
-    _warm(given, X, k)
+    for j in range(len(given.thermal)):  # the measured temperature, into the effects' memory
+        X[int(given.thermal[j, 0])] = given.temperature[k] - given.thermal[j, 1]
     return effects_torque(
         given.P, 0, given.effects, X, 0, t, q, v, bias, behind, body[0], gx, gy, asked
     )
@@ -310,7 +302,8 @@ def _part(
         second = drive[k - late - 1] if k > late else before
         torque = gain * ((1.0 - part) * first + part * second) if on[k] else 0.0
         brake = emf if on[k] else 0.0
-        evaluate(P, 0, effects, X, 0, k * h, q, v, h, inertia)
+        weight = 1.0 / inertia if inertia > 0.0 else 0.0
+        rare_torque(P, 0, effects, X, 0, k * h, q, v, h, h, inertia, weight)
         F, damping = X[TORQUE], brake + X[GAIN]
         if some:
             F += _effects(given, X, k, k * h, q, v, bias, c, s, torque - brake * v)

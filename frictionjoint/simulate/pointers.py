@@ -105,12 +105,12 @@ def mj_stackAllocNum(d: Address, n: Size) -> Vector:
     raise NotImplementedError
 
 
-def bind_mujoco(*functions: External[..., Any]) -> None:
-    """Pass the addresses of these functions in the loaded MuJoCo library to compiled code."""
+def bind_mujoco() -> None:
+    """Pass the addresses of the functions above in the loaded MuJoCo library to compiled code."""
     folder = os.path.dirname(mujoco.__file__)
     names = sorted(os.listdir(folder))
     file = next(f for f in names if "libmujoco" in f or f == "mujoco.dll")
     library = ctypes.CDLL(os.path.join(folder, file))
-    for function in functions:
+    for function in [x for x in globals().values() if isinstance(x, External)]:
         found = ctypes.cast(getattr(library, function.name), ctypes.c_void_p).value
         function.bind(found or 0)

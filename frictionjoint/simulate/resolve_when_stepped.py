@@ -27,12 +27,9 @@ _resolve_lock = threading.Lock()
 _kept: list[Any] = []
 
 
-def make_ready(model: Any) -> None:
-    """Resolve a model's friction; if that fails, warn once and leave the model without friction.
-
-    Args:
-        model: an MjModel or a `ModelView`; it is being stepped, so its data exist.
-    """
+def make_ready(model: mujoco.MjModel | ModelView) -> None:
+    """Resolve the friction of a model that is being stepped, so its data exist; if that fails, warn
+    once and leave the model without friction."""
     if isinstance(model, mujoco.MjModel):
         model = ModelView(model._address)
     with _resolve_lock:

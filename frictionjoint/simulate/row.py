@@ -66,14 +66,6 @@ def commit_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
 
 
 @in_line
-def forget_effects(P: Vector, p: int, effects: int, X: Vector, x: int) -> None:
-    """Reset the effects' memory, committed and evaluated, to that of a joint never moved."""
-    memory = x + FRONT + law_row_size(P, p)
-    for i in range(2 * MEMORY * int(P[effects])):
-        X[memory + i] = 0.0
-
-
-@in_line
 def torque_now(
     P: Vector, p: int, effects: int, X: Vector, x: int, t: float, q: float, v: float, step: float
 ) -> float:
@@ -96,7 +88,9 @@ def torque_now(
         X[x + TORQUE_COMMITTED] = 0.0
         X[x + GAIN_COMMITTED] = 0.0
         start_row(P, p, X, law)
-        forget_effects(P, p, effects, X, x)
+        memory = law + law_row_size(P, p)
+        for i in range(2 * MEMORY * int(P[effects])):
+            X[memory + i] = 0.0
     elif gap > 0.0:
         if X[x + T_EVALUATED] > X[x + T_COMMITTED]:
             commit(P, p, X, law)
@@ -200,21 +194,3 @@ def rare_torque(
     if F == F and h > 0.0:
         return over_the_step(P, p, X, x, h, v, J, weight)
     return F
-
-
-@compiled
-def evaluate(
-    P: Vector,
-    p: int,
-    effects: int,
-    X: Vector,
-    x: int,
-    t: float,
-    q: float,
-    v: float,
-    h: float,
-    J: float,
-) -> float:
-    """`rare_torque` of a joint alone, of inertia J, kg m^2, for a step of h seconds."""
-    weight = 1.0 / J if J > 0.0 else 0.0
-    return rare_torque(P, p, effects, X, x, t, q, v, h, h, J, weight)

@@ -17,19 +17,12 @@ _NAMES = {_POSITION[0]: "position", _POSITION[1]: "velocity", _TORQUE[0]: "torqu
 
 def delay_sensors(spec: mujoco.MjSpec, joint: str, delay: float) -> None:
     """Delay a joint's sensors, s: of the position if above 0, of the torque if below; in place."""
-    late = {True: _POSITION, False: _TORQUE}
-    for kind in (*_POSITION, *_TORQUE):
-        found = [s for s in spec.sensors if s.type == kind and s.objname == joint]
-        if not found:
-            found = [
-                spec.add_sensor(
-                    name=f"{joint}_{_NAMES[kind]}",
-                    type=kind,
-                    objtype=mujoco.mjtObj.mjOBJ_JOINT,
-                    objname=joint,
-                )
-            ]
-        for sensor in found if kind in late[delay > 0.0] else ():
+    late, of_joint = _POSITION if delay > 0.0 else _TORQUE, mujoco.mjtObj.mjOBJ_JOINT
+    for kind, name in _NAMES.items():
+        found = [s for s in spec.sensors if s.type == kind and s.objname == joint] or [
+            spec.add_sensor(name=f"{joint}_{name}", type=kind, objtype=of_joint, objname=joint)
+        ]
+        for sensor in found if kind in late else ():
             sensor.delay = abs(delay)
             # linear between the samples that MuJoCo keeps
             sensor.interp = 1

@@ -12,7 +12,6 @@ Slots 2 to 6 belong to one compiled model, as those of a joint's block (`carrier
 """
 
 import math
-from dataclasses import dataclass
 
 import mujoco
 
@@ -30,27 +29,23 @@ _RESOLVED, _QPOS, _DOF, _OTHER_QPOS, _OTHER_DOF, _RATIO, _WAVES, _SIN, _COS, _TU
 _SIZE = _TURNS_OVER + 1
 
 
-@dataclass(frozen=True)
-class ShaftWave:
-    """Deviation of a tendon's friction level from its mean.
+def add_wave(
+    spec: mujoco.MjSpec,
+    tendon: str,
+    ratio: float,
+    waves: float,
+    sin: float,
+    cos: float,
+    turns_over: float,
+) -> None:
+    """Write the wave of a tendon over two joints into a spec; changed in place.
 
-    Attributes:
+    Args:
         ratio: turns of the shaft per turn of the tendon's second joint; 1 for its first.
         waves: along the shaft, 1/rad. sin, cos: of the wave, N m.
         turns_over: speed at which the friction reverses, rad/s.
     """
-
-    ratio: float
-    waves: float
-    sin: float
-    cos: float
-    turns_over: float
-
-
-def add_wave(spec: mujoco.MjSpec, tendon: str, wave: ShaftWave) -> None:
-    """Write the wave of a tendon over two joints into a spec; changed in place."""
-    numbers = [wave.ratio, wave.waves, wave.sin, wave.cos, wave.turns_over]
-    block = [SHAFT, VERSION, 0.0, 0.0, 0.0, 0.0, 0.0, *numbers]
+    block = [SHAFT, VERSION, 0.0, 0.0, 0.0, 0.0, 0.0, ratio, waves, sin, cos, turns_over]
     spec.add_numeric(name=SHAFT_TAG + tendon, data=block, size=_SIZE)
 
 

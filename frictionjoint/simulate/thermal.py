@@ -7,7 +7,7 @@ its state is the fraction of the warm-up that has happened.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 
@@ -24,13 +24,8 @@ from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.row import FRONT, STARTED
 
 
-@dataclass(frozen=True)
-class _Kind:
-    """Conversion between an effect's memory and its thermal state.
-
-    Attributes:
-        read: state from (numbers, memory, time). write: memory from (numbers, state, time).
-    """
+class _Kind(NamedTuple):
+    """Thermal state from (numbers, memory, time) of an effect, and memory with the state given."""
 
     read: Callable[[Array, float, float], float]
     write: Callable[[Array, float, float], float]

@@ -9,20 +9,13 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.kernel import MEMORY
 from frictionjoint.errors import ModelError
-from frictionjoint.law import bristle, integrated
-from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque
+from frictionjoint.law import bristle
+from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque, levels_at
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.memory import RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
-from frictionjoint.simulate.block import (
-    DOF,
-    EFFECTS,
-    HEAD,
-    RESOLVED,
-    ROW,
-    blocks,
-    effects_of,
-)
+from frictionjoint.simulate import block as slot
+from frictionjoint.simulate.block import blocks, effects_of
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.idle_warning import warn_if_idle
 from frictionjoint.simulate.row import FRONT, GAIN, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
@@ -75,7 +68,7 @@ def torque(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, FrictionTorq
     require_data(data, model, "torque")
     P = model.numeric_data
     found = blocks(model)
-    if any(P[at + RESOLVED] != 1.0 for at in found.values()):
+    if any(P[at + slot.RESOLVED] != 1.0 for at in found.values()):
         found = resolve(model)
     if not found:
         raise ModelError("the model has no friction: use frictionjoint.install on its spec")
@@ -97,18 +90,17 @@ def _end(model: mujoco.MjModel, data: mujoco.MjData, dof: int, evaluated: float)
 
 def _of_joint(model: mujoco.MjModel, data: mujoco.MjData, block: int) -> FrictionTorque:
     P, X = model.numeric_data, data.userdata
-    x = int(P[block + ROW])
+    x = int(P[block + slot.ROW])
     if X[x + STARTED] == 0.0:
         nothing, cold = dict.fromkeys(_effects(P, block, X, x), 0.0), temperature_of(P, block, X)
         return FrictionTorque(0.0, 0.0, 0.0, 0.0, 0.0, nothing, True, cold, float("nan"))
-    p, law, v = block + HEAD, x + FRONT, float(X[x + V_EVALUATED])
-    layout = integrated if P[p] == INTEGRATED else bristle
-    place = RATE if P[p] == INTEGRATED else bristle.RATE
-    side = p + 1 + (layout.POSITIVE if v > 0.0 else layout.NEGATIVE)
+    p, law, v = block + slot.HEAD, x + FRONT, float(X[x + V_EVALUATED])
+    levels, place = levels_at(P, p), RATE if P[p] == INTEGRATED else bristle.RATE
+    side = bristle.side(levels, v)
     rate = float(X[law + header_size(P, p) + place])
     hysteresis = float(hysteresis_torque(P, p, X, law))
-    sigma1, sigma2 = float(P[p + 1 + layout.SIGMA1]), float(P[side + SIGMA2])
-    end = _end(model, data, int(P[block + DOF]), float(X[x + T_EVALUATED]))
+    sigma1, sigma2 = float(P[levels]), float(P[side + SIGMA2])
+    end = _end(model, data, int(P[block + slot.DOF]), float(X[x + T_EVALUATED]))
     law_torque = float(X[x + TORQUE] + X[x + GAIN] * end)
     # as the kernel adds them: without a gain exactly 0 is left
     implicit = law_torque - (hysteresis + (sigma1 * rate + sigma2) * v)
@@ -128,8 +120,8 @@ def _of_joint(model: mujoco.MjModel, data: mujoco.MjData, block: int) -> Frictio
 
 def _effects(P: Array, block: int, X: Array, x: int) -> dict[str, float]:
     """Torque of each effect of a block by its name."""
-    numbers = effects_of(P, block + int(P[block + EFFECTS]))
-    each = x + FRONT + int(law_row_size(P, block + HEAD)) + 2 * MEMORY * len(numbers)
+    numbers = effects_of(P, block + int(P[block + slot.EFFECTS]))
+    each = x + FRONT + int(law_row_size(P, block + slot.HEAD)) + 2 * MEMORY * len(numbers)
     found: dict[str, float] = {}
     for i, (effect, _) in enumerate(numbers):
         name = _NAMES[effect]

@@ -42,9 +42,11 @@ def carrying(spec: mujoco.MjSpec) -> list[str]:
     return [name for name in found if name is not None]
 
 
-def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
+def take_out(spec: mujoco.MjSpec, joints: Sequence[str], mechanism: bool = True) -> None:
     """Remove the friction of joints from a spec; changed in place.
 
+    Args:
+        mechanism: whether the joints behind elastic joints, and what is assumed, are removed too.
     Raises:
         ModelError: a block is damaged.
     """
@@ -60,7 +62,7 @@ def take_out(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
         rows = 0
     for numeric in ours:
         spec.delete(numeric)
-    for joint in joints:
+    for joint in joints if mechanism else ():
         remove_mechanism(spec, joint)
         remove_assumed(spec, joint)
     # the rows lie behind the user's own data

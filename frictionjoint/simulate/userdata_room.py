@@ -20,10 +20,8 @@ _warned: set[int] = set()
 
 
 def make_room(model: mujoco.MjModel, need: int) -> None:
-    """Enlarge a compiled model's user data for the friction; user data of the model stay in front.
+    """Add numbers to a compiled model's user data for the friction; its own stay in front.
 
-    Args:
-        model: changed in place. need: number of float64 to add.
     Raises:
         ModelError: MuJoCo's reset of existing data would then write past the end of these data.
     """

@@ -20,7 +20,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.idle_warning import callback_is_off
 from frictionjoint.simulate.shaft_wave import wave_losses
-from frictionjoint.simulate.warp_layout import block_with, layout
+from frictionjoint.simulate.warp_layout import Layout
 
 # Runge-Kutta's four evaluations all bear the time of the step's beginning here, so that they could
 # not be distinguished from repeated ones.
@@ -65,7 +65,7 @@ class WarpFriction:
         from frictionjoint.simulate import warp_kernel
 
         self._mjw, self._wp, self._model, self._data = mjw, wp, m, d
-        self._layout = made = layout(mjm, found, warp_kernel.FRONT)
+        self._layout = made = Layout(mjm, found, warp_kernel.FRONT)
         motor = m.actuator_gainprm.dtype
         kernels = warp_kernel.build(made.has_effects, motor, made.header)
         self._take_back, self._friction, self._acted, self._reset = kernels
@@ -114,41 +114,18 @@ class WarpFriction:
             self._mjw.mul_m(m, d, self._moved, d.qacc)
         bit = self._mjw.DisableBit
         drives = not m.opt.disableflags & bit.ACTUATION
-        self._launch(
-            self._friction,
-            [
-                *where,
-                self._loads,
-                m.opt.timestep,
-                m.dof_invweight0,
-                m.M_rowadr,
-                m.M_rownnz,
-                m.dof_armature,
-                m.jnt_bodyid,
-                m.jnt_axis,
-                m.opt.gravity,
-                d.time,
-                d.qpos,
-                d.qvel,
-                d.qfrc_bias,
-                self._moved,
-                d.qacc,
-                d.qfrc_constraint,
-                d.xaxis,
-                d.xmat,
-                self._motor_first if drives else self._no_motor,
-                self._motors,
-                not m.opt.disableflags & bit.CLAMPCTRL,
-                d.ctrl,
-                m.actuator_ctrllimited,
-                m.actuator_ctrlrange,
-                m.actuator_gear,
-                m.actuator_gainprm,
-                m.actuator_biasprm,
-                self.state,
-            ],
-            [d.M, self._of_effects, d.qfrc_passive],
-        )
+        body = [m.opt.timestep, m.dof_invweight0, m.M_rowadr, m.M_rownnz, m.dof_armature]
+        gravity = [m.jnt_bodyid, m.jnt_axis, m.opt.gravity]
+        motion = [d.time, d.qpos, d.qvel, d.qfrc_bias, self._moved, d.qacc, d.qfrc_constraint]
+        motors = [
+            *(self._motor_first if drives else self._no_motor, self._motors),
+            *(not m.opt.disableflags & bit.CLAMPCTRL, d.ctrl),
+            *(m.actuator_ctrllimited, m.actuator_ctrlrange),
+            *(m.actuator_gear, m.actuator_gainprm, m.actuator_biasprm),
+        ]
+        inputs = [*where, self._loads, *body, *gravity, *motion, d.xaxis, d.xmat, *motors]
+        outputs = [d.M, self._of_effects, d.qfrc_passive]
+        self._launch(self._friction, [*inputs, self.state], outputs)
         self._mjw.factor_m(m, d)
 
     def _launch(self, kernel: Any, inputs: list[Any], outputs: list[Any]) -> None:
@@ -191,7 +168,7 @@ class WarpFriction:
             if len(each) != nworld:
                 raise ModelError(f"{nworld} worlds, {len(each)} parameter sets: give one per world")
             rows = np.repeat(rows, nworld // len(rows), axis=0)
-        blocks = [block_with(made, at, one) for one in each]
+        blocks = [made.block_with(at, one) for one in each]
         first = int(made.blocks[at])
         # what is given without effects leaves those of each world as they are
         for i, block in enumerate(blocks):

@@ -35,21 +35,6 @@ _RESERVED = frozenset(_KEYWORDS.split())
 
 
 @dataclass
-class Called:
-    """Properties of a kernel that its callers require.
-
-    Attributes:
-        name: in C. parameters: names in order. written: parameters that it writes to.
-        axes: for each array parameter, the axes whose lengths it requires.
-    """
-
-    name: str
-    parameters: list[str]
-    written: set[str]
-    axes: dict[str, set[int]]
-
-
-@dataclass
 class Gathered:
     """Definitions that the functions translated so far require.
 
@@ -62,7 +47,7 @@ class Gathered:
     """
 
     dialect: Dialect
-    call: Callable[[Any], Called]
+    call: "Callable[[Any], Expressions]"
     constants: dict[str, int | float | tuple[float, ...]] = field(default_factory=dict)
     helpers: set[str] = field(default_factory=set)
     tuples: set[str] = field(default_factory=set)
@@ -76,7 +61,7 @@ class Expressions(Kernel):
 
     Attributes:
         rows: length of a row of each array parameter, if its annotation states it.
-        written: arrays that the kernel writes to.
+        written: arrays that the kernel writes to; of a complete kernel, parameters alone.
         axes: axes of array parameters whose lengths the kernel requires.
         lengths: C text of the length of each local array.
         roots: the array that each local pointer points into.
@@ -202,7 +187,7 @@ class Expressions(Kernel):
             return f"{self.text(node.value, _ATOM)}._{place(node.slice)}"
         parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
         for part in parts:
-            if isinstance(part, ast.Slice) or _is_negative(part):
+            if isinstance(part, ast.Slice | ast.UnaryOp):
                 self.unknown(node)
         index = self.text(parts[0])
         for axis, part in enumerate(parts[1:], start=1):
@@ -295,7 +280,7 @@ class Expressions(Kernel):
             if name in known.written:
                 self.write(argument)
             texts += [self.length(argument, axis) for axis in sorted(known.axes.get(name, ()))]
-        return f"{known.name}({', '.join(texts)})"
+        return f"fj_{known.name}({', '.join(texts)})"
 
     def _external(self, called: Any, node: ast.Call) -> str:
         self.gathered.externals[called.name] = called
@@ -363,7 +348,3 @@ class Expressions(Kernel):
 def safe(name: str) -> str:
     """A name that is not reserved in C."""
     return f"{name}_" if name in _RESERVED else name
-
-
-def _is_negative(node: ast.expr) -> bool:
-    return isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)

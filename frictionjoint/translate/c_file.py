@@ -4,15 +4,13 @@ Kernels are static functions of one translation unit, so that the compiler can i
 library exports one wrapper function per kernel.
 """
 
-import ast
 from collections.abc import Mapping
 from typing import Any
 
 from frictionjoint.compiled import is_tuple
 from frictionjoint.library import Entry, Parameter
-from frictionjoint.translate.c_expressions import Called
+from frictionjoint.translate.c_expressions import Expressions
 from frictionjoint.translate.c_functions import Translation
-from frictionjoint.translate.kernel import Kernel, signature
 from frictionjoint.translate.kinds import LIBRARY, NOTHING, fields_of, is_structure
 
 _HEAD = """/* The kernels of frictionjoint, written by frictionjoint.translate. */
@@ -41,46 +39,43 @@ def unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Entry]]:
     shown: list[str] = []
     listed: dict[str, Entry] = {}
     for name, kernel in kernels.items():
-        called = translation.called[kernel.py_func]
-        typed = signature(kernel)
-        shown.append(_shown(called, typed))
-        listed[name] = Entry(f"{called.name}_", _result(typed), _parameters(called, typed))
+        made = translation.made[kernel.py_func]
+        shown.append(_shown(made))
+        result = "bool" if made.python.__annotations__["return"] is bool else made.result
+        listed[name] = Entry(f"fj_{made.name}_", result, _parameters(made))
     return "\n".join([_HEAD, translation.text(), *shown]) + "\n", listed
 
 
-def _result(typed: Kernel) -> str:
-    annotation = ast.unparse(typed.tree.returns) if typed.tree.returns else ""
-    return "bool" if annotation == "bool" else typed.result
-
-
-def _parameters(called: Called, typed: Kernel) -> tuple[Parameter, ...]:
+def _parameters(made: Expressions) -> tuple[Parameter, ...]:
     found = []
-    for name, kind in typed.kinds.items():
-        fields = fields_of(typed.structures[kind]) if is_structure(kind) else {}
-        axes = sorted(called.axes.get(name, ()))
-        found.append(Parameter(name, kind, name in called.written, axes, fields))
+    for name in made.parameters:
+        kind = made.kinds[name]
+        fields = fields_of(made.structures[kind]) if is_structure(kind) else {}
+        axes = sorted(made.axes.get(name, ()))
+        found.append(Parameter(name, kind, name in made.written, axes, fields))
     return tuple(found)
 
 
-def _shown(called: Called, typed: Kernel) -> str:
+def _shown(made: Expressions) -> str:
     """The function that the library exports for a kernel; tuples are passed by address."""
     declared: list[str] = []
     given: list[str] = []
-    for name, kind in typed.kinds.items():
+    for name in made.parameters:
+        kind = made.kinds[name]
         if is_tuple(kind):
             declared.append(f"const {kind} *{name}_")
             given.append(f"*{name}_")
             continue
         declared.append(f"{LIBRARY.declared(kind)}{name}_")
         given.append(f"{name}_")
-        for axis in sorted(called.axes.get(name, ())):
+        for axis in sorted(made.axes.get(name, ())):
             declared.append(f"int64_t {name}_n{axis}")
             given.append(f"{name}_n{axis}")
-    call, result = f"{called.name}({', '.join(given)})", LIBRARY.type_of(typed.result)
-    if is_tuple(typed.result):
-        declared.append(f"{typed.result} *out_")
+    call, result = f"fj_{made.name}({', '.join(given)})", LIBRARY.type_of(made.result)
+    if is_tuple(made.result):
+        declared.append(f"{made.result} *out_")
         call, result = f"*out_ = {call}", NOTHING
-    elif typed.result != NOTHING:
+    elif made.result != NOTHING:
         call = f"return {call}"
-    head = f"FJ_SHARED {result} {called.name}_({', '.join(declared) or NOTHING})"
+    head = f"FJ_SHARED {result} fj_{made.name}_({', '.join(declared) or NOTHING})"
     return f"{head};\n{head}\n{{\n    {call};\n}}\n"

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from frictionjoint.compiled import is_tuple, pointer, room
-from frictionjoint.translate.c_expressions import Called, Expressions, Gathered, safe
+from frictionjoint.translate.c_expressions import Expressions, Gathered, safe
 from frictionjoint.translate.c_math import helpers_of
 from frictionjoint.translate.kernel import Known, signature
 from frictionjoint.translate.kinds import (
@@ -36,7 +36,7 @@ class Translation:
     """Kernels and all kernels that they call, as C.
 
     Attributes:
-        called: properties that callers require of each kernel, by the Python function.
+        made: each kernel, translated, by the Python function.
         gathered: definitions that the kernels require.
     """
 
@@ -52,25 +52,24 @@ class Translation:
         Raises:
             ModelError: a construct that cannot be translated.
         """
-        self.called: dict[Any, Called] = {}
+        self.made: dict[Any, Expressions] = {}
         self._texts: list[str] = []
         self._known = known or {}
         self.gathered = Gathered(dialect, self._call)
         for function in functions:
             self._call(function)
 
-    def _call(self, function: Any) -> Called:
+    def _call(self, function: Any) -> Expressions:
         plain = function.py_func
-        if plain not in self.called:
-            name = name_of(function)
-            if any(name == other.name for other in self.called.values()):
-                raise AssertionError(f"two kernels are called {name}")
+        if plain not in self.made:
             made = _Function(function, self.gathered, self._known)
+            if any(made.name == other.name for other in self.made.values()):
+                raise AssertionError(f"two kernels are called {made.name}")
             text = made.translate()  # callees come first
             self._texts.append(text)
-            written = made.written & set(made.parameters)
-            self.called[plain] = Called(name, made.parameters, written, made.axes)
-        return self.called[plain]
+            made.written &= set(made.parameters)
+            self.made[plain] = made
+        return self.made[plain]
 
     def text(self) -> str:
         """C text, to be placed after ``#include <math.h>``."""
@@ -102,7 +101,9 @@ class _Function(Expressions):
         self.read(known)
         self.declared: set[str] = set(self.parameters)
         # arrays that this function creates; each exists as long as its block
-        self.rooms = {to for to, value in self._assigned() if self._is_room(value)}
+        nodes = [n for statement in self.body for n in ast.walk(statement)]
+        assigned = [n for n in nodes if isinstance(n, ast.Assign)]
+        self.rooms = {ast.unparse(n.targets[0]) for n in assigned if self._is_room(n.value)}
         for kind in (*self.kinds.values(), self.result):
             self.noted(kind)
 
@@ -127,11 +128,6 @@ class _Function(Expressions):
         const = self.dialect.header and kind == REALS and name not in self.written
         own = f"{'const ' if const else ''}{self.dialect.declared(kind)}{safe(name)}"
         return [own, *(f"{whole} {safe(name)}_n{k}" for k in sorted(self.axes.get(name, ())))]
-
-    def _assigned(self) -> list[tuple[str, ast.expr]]:
-        nodes = (n for statement in self.body for n in ast.walk(statement))
-        assigned = [n for n in nodes if isinstance(n, ast.Assign)]
-        return [(ast.unparse(n.targets[0]), n.value) for n in assigned]
 
     def _is_room(self, value: ast.expr) -> bool:
         return isinstance(value, ast.Call) and self.called(value) is room

@@ -29,11 +29,6 @@ def own_compiler() -> list[str] | None:
     return [found] if found else None
 
 
-def system() -> str:
-    """This machine's operating system, a key of `ENDINGS`."""
-    return {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
-
-
 def compile_library(source: Path, folder: Path, stem: str, target: str | None) -> Path:
     """Compile a C file into a shared library.
 
@@ -49,7 +44,8 @@ def compile_library(source: Path, folder: Path, stem: str, target: str | None) -
             raise RuntimeError("no C compiler: install one, or ziglang from PyPI")
         compiler = [sys.executable, "-m", "ziglang", "cc"]
         compiler += ["-target", TARGETS[target]] if target else []
-    name = target.split("-")[0] if target else system()
+    here = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
+    name = target.split("-")[0] if target else here
     made = folder / f"{stem}{ENDINGS[name]}"
     flags = [flag for flag in FLAGS if not (flag == "-fPIC" and name == "windows")]
     flags += [] if name == "macos" else ["-s"]  # without symbols that are not needed

@@ -5,6 +5,7 @@ a kernel may contain; anything else is an error, never a guess.
 """
 
 import ast
+import functools
 import inspect
 import math
 import textwrap
@@ -215,7 +216,9 @@ class Kernel:
                 pairs += [(each, i, value) for i, each in enumerate(many)] or [(to, -1, value)]
             elif isinstance(node, ast.For) and isinstance(node.target, ast.Name):
                 self.counters.add(node.target.id)
-                self.kinds.setdefault(node.target.id, self._kind_of_counter(node.iter))
+                of_range = isinstance(node.iter, ast.Call)
+                real = not of_range and any(isinstance(x, float) for x in self.look_up(node.iter))
+                self.kinds.setdefault(node.target.id, DOUBLE if real else WHOLE)
         own = set(self.kinds)
         for _ in pairs:
             before = dict(self.kinds)
@@ -228,11 +231,6 @@ class Kernel:
                         self.kinds[to.id] = kind
             if before == self.kinds:
                 break
-
-    def _kind_of_counter(self, node: ast.expr) -> str:
-        if isinstance(node, ast.Call):
-            return WHOLE
-        return DOUBLE if any(isinstance(x, float) for x in self.look_up(node)) else WHOLE
 
     # the body
 
@@ -277,16 +275,10 @@ class Kernel:
         return equal if len(values) == 1 else None
 
 
-_signatures: dict[Any, Kernel] = {}
-
-
+@functools.cache
 def signature(function: Any) -> Kernel:
     """Kinds of the arguments and the result of a kernel or another annotated function."""
-    stub = function.stub if isinstance(function, External) else function
-    plain_function = getattr(stub, "py_func", stub)
-    if plain_function not in _signatures:
-        _signatures[plain_function] = Kernel(stub)
-    return _signatures[plain_function]
+    return Kernel(function.stub if isinstance(function, External) else function)
 
 
 def is_kernel(value: Any) -> bool:

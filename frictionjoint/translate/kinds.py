@@ -16,13 +16,8 @@ from typing import Any
 from frictionjoint.compiled import TUPLE, elements, is_tuple
 
 DOUBLE, WHOLE, NOTHING = "double", "int", "void"
-REALS, WHOLES, FLAGS, SHORTS, ADDRESS = (
-    "double *",
-    "int64_t *",
-    "uint8_t *",
-    "int32_t *",
-    "char *",
-)
+REALS, WHOLES, FLAGS = "double *", "int64_t *", "uint8_t *"
+SHORTS, ADDRESS = "int32_t *", "char *"
 POINTERS = {REALS: DOUBLE, WHOLES: WHOLE, FLAGS: WHOLE, SHORTS: WHOLE, ADDRESS: WHOLE}
 """Kinds of arrays, and the kind of their elements."""
 _STRUCTURE = "fj_struct_"
@@ -72,11 +67,7 @@ HEADER = Dialect("int", header=True)
 
 
 def kind_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> str | None:
-    """Kind for an annotation; None if the annotation is not one of a kernel.
-
-    Args:
-        aliases: objects by name in the module of the function.
-    """
+    """Kind for an annotation, with the objects of its module; None if it is not one of a kernel."""
     if annotation is None:
         return None
     text = ast.unparse(annotation)
@@ -111,11 +102,7 @@ def is_structure(kind: str | None) -> bool:
 
 @functools.cache
 def fields_of(named: Any) -> dict[str, str]:
-    """Kinds of the fields of a NamedTuple.
-
-    Raises:
-        ValueError: a field has a kind that is not supported.
-    """
+    """Kinds of the fields of a NamedTuple; ValueError if one is not supported."""
     tree = ast.parse(textwrap.dedent(inspect.getsource(named))).body[0]
     assert isinstance(tree, ast.ClassDef)
     aliases = vars(sys.modules[named.__module__])
@@ -139,11 +126,7 @@ def row_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> int:
 
 def tuple_of(kinds: Iterable[str]) -> str:
     """Kind of a tuple of values of the given kinds."""
-    return TUPLE + _mangled(kinds)
-
-
-def _mangled(kinds: Iterable[str]) -> str:
-    return f"T{''.join(_LETTERS.get(k) or k.removeprefix(TUPLE) for k in kinds)}E"
+    return f"{TUPLE}T{''.join(_LETTERS.get(k) or k.removeprefix(TUPLE) for k in kinds)}E"
 
 
 AXES = 3

@@ -28,7 +28,7 @@ from acting import acting, arm, ctrl
 import frictionjoint as fj
 from frictionjoint.compiled import native
 from frictionjoint.control import kernel as control
-from frictionjoint.control.profile import fill_means, followed
+from frictionjoint.control.profile import followed
 from frictionjoint.control.reconstruct import fill_mean_drives
 from frictionjoint.effects.catalogue import CATALOGUE, SIMULATED
 from frictionjoint.effects.joint_elasticity import free_swing
@@ -40,8 +40,7 @@ from frictionjoint.identify.constraint_shape import gradient
 from frictionjoint.identify.reversals import fill_grid, path_of
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.law import relaxation, stribeck
-from frictionjoint.law.kernel import INTEGRATED
-from frictionjoint.law.motion import drive_integrated, drive_rival, friction_torque
+from frictionjoint.law.motion import drive_motions, friction_torque
 from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.measured.lowpass import LowPass, gentle
 from frictionjoint.rivals import (
@@ -159,8 +158,7 @@ def along_logs(rng: np.random.Generator) -> None:
         friction_torque(law, t, q)
         P = law.pack()
         H_, rate = np.empty(SAMPLES), np.empty(SAMPLES)
-        drive = drive_integrated if P[0] == INTEGRATED else drive_rival
-        drive(P, t, q, edges, H_, rate)
+        drive_motions(P, t, q, edges, H_, rate)
         P_t = rng.normal(size=(7, len(P)))
         driven_with_tangents(law.law, P, P_t, t, q, edges)
     rows = signals_of(rng, t, q)
@@ -252,7 +250,6 @@ def controllers(rng: np.random.Generator) -> None:
         control.along(block, t, target, q, v, one, np.empty(SAMPLES), memory)
         rate = float(block[control.SLEW])
         followed(t, target, t, min(rate, 1.0))
-        fill_means(t, target, t, np.full(SAMPLES, 2e-3), rate, path, np.empty(SAMPLES))
 
 
 def simulations(rng: np.random.Generator) -> None:

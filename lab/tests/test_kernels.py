@@ -9,7 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
-from frictionjoint.law.motion import drive_integrated
+from frictionjoint.law.motion import drive_motions
 from frictionjoint.parameters import FrictionParameters
 
 
@@ -31,12 +31,12 @@ def test_python_goes_on_while_another_thread_is_in_a_kernel():
     t = 1e-3 * np.arange(1_000_000)
     q, edges = 0.1 * np.sin(t), np.array([0, len(t)])
     H, rate = np.empty_like(t), np.empty_like(t)
-    drive_integrated(P, t[:9], q[:9], np.array([0, 9]), H, rate)  # the first call finds the library
+    drive_motions(P, t[:9], q[:9], np.array([0, 9]), H, rate)  # the first call finds the library
     span: list[float] = []
 
     def in_a_kernel() -> None:
         span.append(perf_counter())
-        drive_integrated(P, t, q, edges, H, rate)
+        drive_motions(P, t, q, edges, H, rate)
         span.append(perf_counter())
 
     thread = Thread(target=in_a_kernel)

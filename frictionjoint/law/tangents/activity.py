@@ -1,42 +1,17 @@
-"""Activity analysis: which numbers of a kernel have a tangent, and which tangents are used.
+"""Activity analysis: which numbers of a kernel have a tangent.
 
 In the terms of automatic differentiation, a number is *varied* if it depends on a parameter of the
-law, and *useful* if a returned or stored number depends on it.
+law. Tangents that nothing uses are left to the compiler, which removes them.
 """
 
 import ast
 import inspect
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any
 
+from frictionjoint.law.tangents.particulars import COUNTS, COUNTS_OF, LEFT_OUT, ROUNDED
 from frictionjoint.law.tangents.terms import expression
 from frictionjoint.translate.kernel import Kernel, is_kernel, signature, without_unread
 from frictionjoint.translate.kinds import DOUBLE, NOTHING, REALS
-
-
-@dataclass(frozen=True)
-class Particulars:
-    """Facts about the kernels that differentiation requires and their source does not state.
-
-    Attributes:
-        rules: kernels with hand-written tangents, and the function that replaces each.
-        counts: sets of names. An array element whose index contains all names of a set is a count,
-            a flag or a choice.
-        counts_of: further sets, by module.
-        left_out: statements that can be omitted without changing any value.
-        rounded: by kernel, expressions, each with an expression that is equal except for rounding.
-            The second one is differentiated.
-        harmless: equality tests that hide no derivative: either the equality holds by assignment,
-            or the joint is at rest, where the derivative with respect to the motion jumps.
-    """
-
-    rules: dict[Any, Any]
-    counts: tuple[frozenset[str], ...]
-    counts_of: dict[Any, tuple[frozenset[str], ...]]
-    left_out: frozenset[str]
-    rounded: dict[Any, dict[str, str]]
-    harmless: frozenset[str]
 
 
 class Activity(Kernel):
@@ -44,61 +19,30 @@ class Activity(Kernel):
 
     Attributes:
         arguments: annotation of each argument by name. arrays: arguments that are arrays.
-        varied: local numbers with a tangent. used: varied numbers whose tangent is used.
+        varied: local numbers with a tangent.
         modules: modules whose names `as_is` has qualified.
     """
 
     purpose = "differentiated"
 
-    def __init__(
-        self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
-    ) -> None:
+    def __init__(self, kernel: Any, moving: frozenset[str], wanted: bool) -> None:
         """Analyse a kernel; for the arguments see `differentiate.Differentiated`."""
         super().__init__(kernel)
-        self.read(left_out=particulars.left_out)
+        self.read(left_out=LEFT_OUT)
         self.body = self.body if wanted else _without_value(self.body)
-        self.particulars = particulars
         self.owner: Any = inspect.getmodule(self.python)
         self.homes = _homes(self.owner)
         self.modules: set[str] = set()
-        self.rounded = particulars.rounded.get(kernel, {})
+        self.rounded = ROUNDED.get(kernel, {})
         self.exact: set[ast.AST] = set()
         self.arguments = {a.arg: ast.unparse(a.annotation or a) for a in self.tree.args.args}
         self.arrays = {name for name in self.parameters if self.kinds[name] == REALS}
         nodes = [node for statement in self.body for node in ast.walk(statement)]
+        assigned = [(x.targets[0], x.value) for x in nodes if isinstance(x, ast.Assign)]
+        pairs = [(to.id, value) for to, value in assigned if isinstance(to, ast.Name)]
         self.varied = set(moving)
-        _grow(self.varied, nodes, self._varied_by)
-        self.used: set[str] = set()
-        _grow(self.used, nodes, self._used_by)
-        self.used &= self.varied
-
-    def _varied_by(self, node: ast.AST) -> set[str]:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            return {node.targets[0].id} if self.moves(node.value) else set()
-        return set()
-
-    def _used_by(self, node: ast.AST) -> set[str]:
-        if isinstance(node, ast.Assign):
-            target = node.targets[0]
-            if isinstance(target, ast.Name) and target.id not in self.used:
-                return set()
-            if isinstance(target, ast.Subscript) and self.is_count(target):
-                return set()
-            return self._names_in(node.value)
-        if isinstance(node, ast.Return) and node.value is not None:
-            return self._names_in(node.value)
-        if isinstance(node, ast.Call) and self.kernel_of(node) and self.moves(node):
-            return {name for argument in node.args for name in self._names_in(argument)}
-        return set()
-
-    def _names_in(self, node: ast.expr) -> set[str]:
-        """Names whose tangents contribute to the tangent of a value."""
-        if not self.moves(node):
-            return set()
-        node = self.exactly(node)
-        if isinstance(node, ast.Name):
-            return {node.id}
-        return {name for part in _parts(node) for name in self._names_in(part)}
+        for _ in pairs:  # a value may depend on one that is assigned further below, in a loop
+            self.varied |= {name for name, value in pairs if self.moves(value)}
 
     def moves(self, node: ast.expr) -> bool:
         """Whether a value has a tangent, or a call sets one."""
@@ -133,8 +77,7 @@ class Activity(Kernel):
     def is_count(self, node: ast.Subscript) -> bool:
         """Whether an array element is a count, a flag or a choice."""
         names = {n.id for n in ast.walk(node.slice) if isinstance(n, ast.Name)}
-        known = self.particulars.counts + self.particulars.counts_of.get(self.owner, ())
-        return any(count <= names for count in known)
+        return any(count <= names for count in COUNTS + COUNTS_OF.get(self.owner, ()))
 
     def kernel_of(self, node: ast.Call) -> Any:
         """The kernel that a call calls; None if the called function is not a kernel."""
@@ -152,17 +95,6 @@ class Activity(Kernel):
                 self.modules.add(home)
                 name.id = f"{home}.{name.id}"
         return ast.unparse(tree)
-
-
-def _grow(
-    names: set[str], nodes: list[ast.AST], further: Callable[[ast.AST], Iterable[str]]
-) -> None:
-    """Add names until no node yields a new one."""
-    while True:
-        found = {name for node in nodes for name in further(node)}
-        if found <= names:
-            return
-        names |= found
 
 
 def _homes(module: Any) -> dict[str, str]:

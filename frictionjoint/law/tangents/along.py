@@ -19,8 +19,8 @@ def driven_with_tangents(
     Args:
         law: its name. P: its parameter block, shape (m,).
         P_t: derivative of the block in each direction, shape (k, m).
-        time, position: shape (n,), s and rad, as for `motion.drive_integrated`.
-        edges: of the separate motions, see `motion.drive_integrated`.
+        time, position: shape (n,), s and rad, as for `motion.drive_motions`.
+        edges: of the separate motions, see `motion.drive_motions`.
     Returns:
         H, rate, each of shape (n,), and their derivatives in every direction, of shape (k, n).
     """

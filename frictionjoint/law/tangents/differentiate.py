@@ -4,7 +4,7 @@ Before ``x = f(y, z)`` the statement ``x_t = df/dy y_t + df/dz z_t`` is added. I
 numbers and are the same for every direction (`frictionjoint.law.tangents.direction`). Arrays P and
 X get arrays P_t and X_t of tangents. A call passes numbers with their tangents and returns both.
 Tests and counts have no tangent and stay as they are, so the derivative is one-sided at a sample
-where an event happens. Tangents that nothing uses are left out.
+where an event happens.
 
 Supported are scalar arithmetic, `while`, `for ... in range`, `if`, calls of other kernels, `math`,
 and array elements. Anything else is an error, never a guess. An equality test of a number with a
@@ -16,7 +16,8 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
-from frictionjoint.law.tangents.activity import Activity, Particulars
+from frictionjoint.law.tangents.activity import Activity
+from frictionjoint.law.tangents.particulars import HARMLESS, RULES
 from frictionjoint.law.tangents.terms import (
     Terms,
     added,
@@ -52,9 +53,7 @@ class Differentiated:
         calls: kernels that it calls, each as the arguments of this class.
     """
 
-    def __init__(
-        self, kernel: Any, moving: frozenset[str], wanted: bool, particulars: Particulars
-    ) -> None:
+    def __init__(self, kernel: Any, moving: frozenset[str], wanted: bool) -> None:
         """Differentiate a kernel.
 
         Args:
@@ -63,13 +62,12 @@ class Differentiated:
         Raises:
             ModelError: a construct that cannot be differentiated.
         """
-        self.activity = Activity(kernel, moving, wanted, particulars)
-        self.particulars = particulars
+        self.activity = Activity(kernel, moving, wanted)
         self.wanted = wanted
         self.calls: list[tuple[Any, frozenset[str], bool]] = []
         self.made = 0
-        used = self.activity.used - moving
-        still = [f"{name}_t = ZERO" for name in self.activity.arguments if name in used]
+        set_later = self.activity.varied - moving
+        still = [f"{name}_t = ZERO" for name in self.activity.arguments if name in set_later]
         lines = [*still, *self._statements(self.activity.body)]
         self.source = self._head(kernel, moving) + "\n".join(_indented(lines))
 
@@ -134,7 +132,7 @@ class Differentiated:
             array, index = ast.unparse(target.value), self.activity.as_is(target.slice)
             put = f"put({array}_t, {index}, {combined(terms)})"
             return [*before, put, f"{place} = {text(new)}"]
-        if place not in self.activity.used:
+        if place not in self.activity.varied:
             return [f"{place} = {self.activity.as_is(value)}"]
         if (
             isinstance(value, ast.Call)
@@ -152,7 +150,7 @@ class Differentiated:
                 isinstance(op, ast.Eq | ast.NotEq) for op in part.ops
             ):
                 hides = any(self.activity.moves(x) for x in (part.left, *part.comparators))
-                if hides and ast.unparse(part) not in self.particulars.harmless:
+                if hides and ast.unparse(part) not in HARMLESS:
                     self.activity.unknown(node)
         return self.activity.as_is(node)
 
@@ -239,7 +237,7 @@ class Differentiated:
         if kernel is None:
             self.activity.unknown(node)
         names = list(inspect.signature(kernel.py_func).parameters)
-        rule = self.particulars.rules.get(kernel)
+        rule = RULES.get(kernel)
         taken = inspect.signature(rule.py_func).parameters if rule else None
         arguments: list[str] = []
         moving: set[str] = set()

@@ -48,17 +48,3 @@ def sum2(a: float, x: Tangent, b: float, y: Tangent) -> Tangent:
         a * x[4] + b * y[4],
         a * x[5] + b * y[5],
     )
-
-
-@in_line
-def sum3(a: float, x: Tangent, b: float, y: Tangent, c: float, z: Tangent) -> Tangent:
-    """a x + b y + c z."""
-    return sum2(1.0, sum2(a, x, b, y), c, z)
-
-
-@in_line
-def sum4(
-    a: float, x: Tangent, b: float, y: Tangent, c: float, z: Tangent, d: float, w: Tangent
-) -> Tangent:
-    """a x + b y + c z + d w."""
-    return sum2(1.0, sum2(a, x, b, y), 1.0, sum2(c, z, d, w))

@@ -6,7 +6,7 @@ _HEAD = """
 from frictionjoint.arrays import Array, Index, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.law import bristle, memory
-from frictionjoint.law.kernel import start_rival
+from frictionjoint.law.kernel import start_row
 from frictionjoint.law.tangents.direction import ZERO, Tangent, Tangents, put
 """
 _DRIVE = """
@@ -55,7 +55,7 @@ def drives() -> str:
         _DRIVE.format(
             law=law,
             header="bristle",
-            start="start_rival(P, 0, X, 0)",
+            start="start_row(P, 0, X, 0)",
             step=f"{law}_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, dq / dt)",
         )
         for law in LAWS[1:]

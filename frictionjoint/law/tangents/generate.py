@@ -4,54 +4,16 @@ A law is written once, as a scalar kernel. Its source is differentiated here, st
 statement and in forward mode (`frictionjoint.law.tangents.differentiate`).
 """
 
+from importlib import import_module
 from typing import Any
 
 from frictionjoint.errors import ModelError
-from frictionjoint.law import (
-    armstrong,
-    dahl,
-    dahl_stribeck,
-    elastoplastic,
-    integrated,
-    lugre,
-    maxwell_slip,
-    memory,
-    relaxation,
-    static,
-    stribeck,
-)
-from frictionjoint.law.tangents import rules
-from frictionjoint.law.tangents.activity import Particulars
+from frictionjoint.law import integrated, memory
+from frictionjoint.law.names import LAWS
 from frictionjoint.law.tangents.differentiate import Differentiated
 
-_RIVALS = (static, armstrong, dahl, dahl_stribeck, lugre, elastoplastic, maxwell_slip)
-_ROOTS = (integrated.start, integrated.step, memory.make_room, *(law.step for law in _RIVALS))
-_COUNTS = (
-    *("DIRECTION", "N_MIN", "N_MAX", "VIRGIN", "FORGOTTEN", "BOUND"),
-    *("LAMPAERT", "MASING", "SLIDING", "N_ELEMENTS"),
-)
-_PARTICULARS = Particulars(
-    rules={
-        stribeck.stribeck_level: rules.stribeck_level,
-        relaxation.advance: rules.advance,
-        relaxation.distance: rules.distance,
-        relaxation.rate: rules.rate,
-        dahl.remaining: rules.remaining,
-    },
-    counts=(*(frozenset({name}) for name in _COUNTS), frozenset({"HEADER", "n"})),
-    # the exponent is a fixed choice in the integrated law and a fitted number in Dahl's law
-    counts_of={integrated: (frozenset({"EXPONENT"}),)},
-    # At the fixed point r = 1 the torque stays constant, but its tangent still changes.
-    left_out=frozenset({"if r == 1.0:\n    break"}),
-    rounded={
-        integrated._slide: {"max(0.0, reach)": "reach"},
-        elastoplastic._transition: {
-            "1.0": "1.0 - math.exp(-(u + a))",
-            "-math.expm1(-u)": "1.0 - math.exp(-u)",
-        },
-    },
-    harmless=frozenset({"d == a", "dq != 0.0", "dq == 0.0", "v == 0.0"}),
-)
+_RIVAL_STEPS = [import_module(f"frictionjoint.law.{law}").step for law in LAWS[1:]]
+_ROOTS = (integrated.start, integrated.step, memory.make_room, *_RIVAL_STEPS)
 
 
 def source() -> str:
@@ -67,7 +29,7 @@ def source() -> str:
         if ways.setdefault(kernel, (moving, wanted)) != (moving, wanted):
             raise ModelError(f"{kernel.py_func.__name__} is called in two ways")
         if kernel not in done:
-            made = Differentiated(kernel, moving, wanted, _PARTICULARS)
+            made = Differentiated(kernel, moving, wanted)
             for callee in made.calls:
                 add(*callee)
             done[kernel] = made
@@ -86,8 +48,6 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import {modules}
 from frictionjoint.law.tangents import rules
-from frictionjoint.law.tangents.direction import (
-    ZERO, Tangent, Tangents, at, put, scaled, sum2, sum3, sum4
-)
+from frictionjoint.law.tangents.direction import ZERO, Tangent, Tangents, at, put, scaled, sum2
 
 """

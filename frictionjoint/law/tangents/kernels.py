@@ -1,12 +1,10 @@
 """The laws' kernels with their tangents, differentiated from the source of the laws.
 
 The kernels that evaluate a law along a motion are defined on import and run from the compiled
-library. The kernels that they call are defined only if kernels run as Python, as during
-translation, or if they are requested by name.
+library. The kernels that they call are defined only where kernels run as Python, as in translation.
 """
 
 import linecache
-from typing import Any
 
 from frictionjoint.compiled import PLAIN
 from frictionjoint.law.tangents.drive import drives
@@ -19,19 +17,8 @@ def _define(text: str, what: str) -> None:
     exec(compile(text, file, "exec"), globals())
 
 
-def _define_all() -> None:
+_define(drives(), "drives")
+if PLAIN:
     from frictionjoint.law.tangents.generate import source
 
     _define(source(), "kernels")
-
-
-def __getattr__(name: str) -> Any:
-    if name.startswith("__") or "drive_static" not in globals():
-        raise AttributeError(name)
-    _define_all()
-    return globals()[name]
-
-
-_define(drives(), "drives")
-if PLAIN:
-    _define_all()

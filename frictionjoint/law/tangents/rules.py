@@ -15,7 +15,7 @@ from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import dahl, relaxation
 from frictionjoint.law.stribeck import DELTA, FC, FS, VS, ZERO
 from frictionjoint.law.tangents.direction import ZERO as STILL
-from frictionjoint.law.tangents.direction import Tangent, Tangents, at, scaled, sum2, sum3
+from frictionjoint.law.tangents.direction import Tangent, Tangents, at, scaled, sum2
 
 
 @in_line
@@ -41,7 +41,7 @@ def stribeck_level(
     by_levels = sum2(e, at(P_t, d + FS), 1.0 - e, at(P_t, d + FC))
     by_ratio = sum2(fall * delta / P[d + VS], at(P_t, d + VS), -fall * delta / speed, speed_t)
     by_delta = -fall * math.log(ratio) if fall > 0.0 else 0.0
-    S_t = sum3(1.0, by_levels, 1.0, by_ratio, by_delta, at(P_t, d + DELTA))
+    S_t = sum2(1.0, sum2(1.0, by_levels, 1.0, by_ratio), by_delta, at(P_t, d + DELTA))
     return Fc + (Fs - Fc) * e, S_t
 
 
@@ -94,4 +94,4 @@ def remaining(
         second = (math.log1p(-x) + x / (1.0 - x)) / (e * e)
     by_i = end * (second - log_w * y / (1.0 - x))
     rate_ = end**i
-    return end, sum3((end / w) ** i, w_t, -rate_, a_t, by_i, i_t)
+    return end, sum2(1.0, sum2((end / w) ** i, w_t, -rate_, a_t), by_i, i_t)

@@ -1,6 +1,7 @@
 """Sums of tangents, as source.
 
-The tangent of an expression is a linear combination of the tangents of its operands.
+The tangent of an expression is a linear combination of the tangents of its operands. Factors of one
+and double signs are left to the compiler.
 """
 
 import ast
@@ -27,12 +28,12 @@ def alone(tangent: str) -> Terms:
 
 def times(terms: Terms, factor: ast.expr) -> Terms:
     """A sum with every factor multiplied by another factor."""
-    return {tangent: _product(factor, x) for tangent, x in terms.items()}
+    return {tangent: ast.BinOp(factor, ast.Mult(), x) for tangent, x in terms.items()}
 
 
 def opposite(terms: Terms) -> Terms:
     """A sum with the sign of every factor reversed."""
-    return {tangent: _negative(x) for tangent, x in terms.items()}
+    return {tangent: ast.UnaryOp(ast.USub(), x) for tangent, x in terms.items()}
 
 
 def added(a: Terms, b: Terms) -> Terms:
@@ -48,29 +49,11 @@ def combined(terms: Terms) -> str:
     if not terms:
         return "ZERO"
     factors = list(terms.items())
-    if len(factors) > 4:
-        first, rest = combined(dict(factors[:4])), combined(dict(factors[4:]))
-        return f"sum2(1.0, {first}, 1.0, {rest})"
-    if len(factors) > 1:
-        return f"sum{len(factors)}({', '.join(f'{text(x)}, {tangent}' for tangent, x in factors)})"
-    ((tangent, x),) = factors
-    return tangent if _is_one(x) else f"scaled({text(x)}, {tangent})"
-
-
-def _product(a: ast.expr, b: ast.expr) -> ast.expr:
-    if _is_one(a) or _is_one(b):
-        return b if _is_one(a) else a
-    for x, y in ((a, b), (b, a)):
-        if isinstance(x, ast.UnaryOp) and isinstance(x.op, ast.USub):
-            return _negative(_product(x.operand, y))
-    return ast.BinOp(a, ast.Mult(), b)
-
-
-def _negative(node: ast.expr) -> ast.expr:
-    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-        return node.operand
-    return ast.UnaryOp(ast.USub(), node)
-
-
-def _is_one(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and node.value == 1.0
+    if len(factors) == 1:
+        ((tangent, x),) = factors
+        return f"scaled({text(x)}, {tangent})"
+    if len(factors) == 2:
+        return f"sum2({', '.join(f'{text(x)}, {tangent}' for tangent, x in factors)})"
+    first = 4 if len(factors) > 4 else 2
+    parts = (combined(dict(some)) for some in (factors[:first], factors[first:]))
+    return f"sum2(1.0, {', 1.0, '.join(parts)})"
