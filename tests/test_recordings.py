@@ -34,16 +34,31 @@ ARM = """<mujoco><option timestep="0.0005" integrator="implicitfast"/><worldbody
 1e-3"/></body></worldbody>{end}</mujoco>"""
 
 
-def recording(seed: int, Fc: float = FC, sigma2: float = SIGMA2, noise: float = 0.01) -> JointLog:
-    """A joint of MuJoCo under a random sum of sines, with noise of torque and position."""
-    rng = np.random.default_rng(seed)
-    model = mujoco.MjModel.from_xml_string(
+def joint_with(Fc: float = FC, sigma2: float = SIGMA2) -> mujoco.MjModel:
+    """A joint with MuJoCo's own friction."""
+    return mujoco.MjModel.from_xml_string(
         ARM.format(
             joint=f'damping="{sigma2}"',
             end='<actuator><dcmotor joint="elbow" input="none" motorconst="1e-6" resistance="1" '
             f'lugre="300 0.5 {Fc} {Fc + FS - FC} {VS}"/></actuator>',
         )
     )
+
+
+def noisy(
+    name: str, torque: np.ndarray, position: np.ndarray, rng: np.random.Generator, noise: float
+) -> JointLog:
+    kept = slice(None, None, EVERY)
+    time, q, tau = STEP * np.arange(len(torque))[kept], position[kept], torque[kept]
+    q = q + rng.normal(0.0, 2e-5, len(q))
+    tau = tau + rng.normal(0.0, noise, len(tau))
+    return JointLog(name=name, joint="elbow", time=time, position=q, torque=tau)
+
+
+def recording(seed: int, Fc: float = FC, sigma2: float = SIGMA2, noise: float = 0.01) -> JointLog:
+    """A joint of MuJoCo under a random sum of sines, with noise of torque and position."""
+    rng = np.random.default_rng(seed)
+    model = joint_with(Fc, sigma2)
     data = mujoco.MjData(model)
     time = STEP * np.arange(int(SECONDS / STEP))
     w, a, p = (rng.uniform(*ends, (5, 1)) for ends in ((2.0, 12.0), (0.2, 0.4), (0.0, 6.0)))
@@ -54,11 +69,26 @@ def recording(seed: int, Fc: float = FC, sigma2: float = SIGMA2, noise: float = 
         torque[k] += data.qfrc_bias[0] - 0.5 * data.qpos[0]
         data.qfrc_applied[0] = torque[k]
         mujoco.mj_step(model, data)
-    kept = slice(None, None, EVERY)
-    t, q, tau = time[kept], position[kept], torque[kept]
-    q = q + rng.normal(0.0, 2e-5, len(q))
-    tau = tau + rng.normal(0.0, noise, len(tau))
-    return JointLog(name=f"log{seed}", joint="elbow", time=t, position=q, torque=tau)
+    return noisy(f"log{seed}", torque, position, rng, noise)
+
+
+def staircase() -> JointLog:
+    """Steps with rests between them, which a stiff controller makes."""
+    model = joint_with()
+    data = mujoco.MjData(model)
+    time = STEP * np.arange(int(SECONDS / STEP))
+    stairs = 0.3 * np.array([0, 1, 2, 3, 2, 1, 0, -1, -2, -1, 0])
+    rest, moved = (time / 0.8).astype(int) % 10, np.clip((time % 0.8) / 0.17, 0.0, 1.0)
+    smooth = np.where(moved < 0.5, 2.0 * moved**2, 1.0 - 2.0 * (1.0 - moved) ** 2)
+    target = stairs[rest] + (stairs[rest + 1] - stairs[rest]) * smooth
+    torque, position = np.empty_like(time), np.empty_like(time)
+    for k in range(len(time)):
+        position[k] = data.qpos[0]
+        pull = 30.0 * (target[k] - data.qpos[0]) - 1.3 * data.qvel[0]
+        torque[k] = data.qfrc_bias[0] + pull
+        data.qfrc_applied[0] = torque[k]
+        mujoco.mj_step(model, data)
+    return noisy("staircase", torque, position, np.random.default_rng(5), 0.01)
 
 
 def pushed(log: JointLog) -> JointLog:
@@ -92,6 +122,15 @@ def test_a_recording_says_what_changed() -> None:
     assert value(after, "Fc")[0] == pytest.approx(0.36, rel=0.03)
     assert value(after, "sigma2")[0] == pytest.approx(0.10, rel=0.08)
     assert 0.0 < value(after, "Fc")[1] < 0.01
+
+
+def test_rests_do_not_outweigh_the_motion_between_them() -> None:
+    """In the rests, two thirds of the samples, the position hardly determines the torque."""
+    found = Estimates(known(), staircase())
+    for name, true in (("Fc", FC), ("Vs", VS), ("sigma2", SIGMA2)):
+        now, stderr = value(found, name)
+        assert abs(now - true) < 4.0 * stderr, name
+        assert now == pytest.approx(true, rel=0.15), name
 
 
 def test_a_number_that_changes_no_torque_is_not_resolvable() -> None:
@@ -167,6 +206,7 @@ class Stated:
     controller: Controller | None = None
     recordings: tuple[dict, ...] = ()
     added: tuple[SimpleNamespace, ...] = ()
+    bandwidth_hz: float = np.inf
 
     @classmethod
     def of(cls, k: Known) -> "Stated":
@@ -245,7 +285,7 @@ def test_intervals_over_recordings_hold_what_they_say(tau: float, apart: float) 
 
 def test_recordings_of_another_load_are_left_out() -> None:
     arm = ARM.format(joint="", end="")
-    logs = [recording(i, Fc=Fc).part(slice(0, 1500), "") for i, Fc in ((40, 0.24), (41, 0.36))]
+    logs = [recording(i, Fc=Fc).part(slice(0, 1500), "") for i, Fc in ((40, 0.25), (41, 0.35))]
     logs += [recording(i).part(slice(0, 1500), "") for i in (42, 50)]
     found = close_loop(logs, {"log4*": arm, "log5*": arm}, "elbow", [], law="lugre", refine=False)
     rows = {row["number"]: row for row in found.recordings}

@@ -178,6 +178,8 @@ def test_advice_names_what_these_logs_leave_open():
     assert "--held-out" in held
     sure = {"Fs_pos": Estimate(1.0, 0.01, "N m")}
     assert what_to_record([], [], [], sure, True, {}) == ()
+    (of_log,) = what_to_record([], [], [("log", 0.9)], sure, True, {})
+    assert of_log.startswith("To find what depends on log: one motion in every log")
     of_error, of_output = (e for e in DRIVE_EFFECTS if e.name == "duty-drop")
     (form,) = what_to_record([], [(of_error, of_output)], [], sure, True, {})
     assert of_error.form in form

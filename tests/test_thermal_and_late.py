@@ -1,6 +1,7 @@
 """What acts beside the motion: the gear's load, temperature and warmth, late instruments."""
 
 import math
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -16,6 +17,7 @@ from frictionjoint.effects import (
 )
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import SimulatedEffect
+from frictionjoint.measured.log import JointLog
 from frictionjoint.rivals import LuGreParameters
 
 LAW = LuGreParameters.symmetric(Fs=1.0, Fc=1.0, Vs=0.05, sigma2=0.0, sigma0=1e4)
@@ -112,6 +114,30 @@ def test_the_loss_warms_the_joint():
         mujoco.mj_resetData(model, data)
         mujoco.mj_forward(model, data)
         assert fj.temperature(model, data) == {"j": ambient}
+
+
+def test_a_model_is_evaluated_at_the_measured_temperature():
+    spec = mujoco.MjSpec.from_string(TURNING)
+    spec.delete(spec.actuators[0])
+    warm = SimulatedEffect(temperature_dependent.EFFECT, (25.0, 40.0), (0.5, 0.3))
+    fj.install(spec, {"j": LAW}, {"j": [warm]})
+    model = spec.compile()
+    data, n = mujoco.MjData(model), 6000
+    celsius = np.linspace(35.0, 65.0, n)
+    rows = np.empty((3, n))
+    with fj.attach(model):
+        mujoco.mj_forward(model, data)
+        for k in range(n):
+            fj.set_temperature(model, data, "j", celsius[k])
+            data.qfrc_applied[0] = 2.5 * math.sin(5.0 * data.time)
+            rows[:, k] = data.time, data.qpos[0], data.qfrc_applied[0]
+            mujoco.mj_step(model, data)
+    time, position, torque = rows[:, ::4]
+    log = JointLog(name="log", joint="j", time=time, position=position, torque=torque)
+    blind = fj.evaluate(spec.to_xml(), [log]).joints["j"]
+    seen = fj.evaluate(spec.to_xml(), [replace(log, temperature=celsius[::4])]).joints["j"]
+    assert seen.torque_rms < 0.5 * blind.torque_rms
+    assert seen.replay_rms < 0.2 * blind.replay_rms
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,7 @@ class Recording:
             motion.
         kinds: "torque", "voltage" or "current" by joint.
         known: whether the drive is known, by joint, shape (n,).
+        temperature: deg C, of joints whose log contains it, shape (n,).
         filter: of the motion, for a torque on this grid, shape (n,).
     """
 
@@ -45,6 +46,7 @@ class Recording:
     filtered: dict[str, Array]
     kinds: dict[str, str]
     known: dict[str, NDArray[np.bool_]]
+    temperature: dict[str, Array]
     filter: LowPass
 
     @classmethod
@@ -97,6 +99,11 @@ class Recording:
             },
             kinds=kinds,
             known={name: inside & _known(log, time) for name, log in logs.items()},
+            temperature={
+                name: uniform(log.time, log.temperature, time)
+                for name, log in logs.items()
+                if log.temperature is not None
+            },
             filter=LowPass(n, step, corner, steep),
         )
 

@@ -4,6 +4,7 @@ The torque is MuJoCo's inverse dynamics of the model with all its friction. Fric
 package and of MuJoCo, are integrated along the motion.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -13,6 +14,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.replay.prescribed_motion import Prescribed
+from frictionjoint.simulate.thermal import temperature_setters
 
 # an explicit integrator, so that friction gives the torque at the present time, not at the end of
 # the step
@@ -40,7 +42,8 @@ class Along:
 
 
 def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
-    """Compute the torque that a model needs along a recording, and states `every` samples apart."""
+    """Compute the torque that a model needs along a recording, at the measured temperatures, and
+    states `every` samples apart."""
     model, data = m.model, mujoco.MjData(m.model)
     before = model.opt.timestep, model.opt.integrator, model.opt.disableflags
     model.opt.timestep = recording.step
@@ -52,6 +55,7 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     control, qacc = data.ctrl, data.qacc
     inverse, actuator = data.qfrc_inverse, data.qfrc_actuator
     acts, remembers, dofs, states = m.acts, m.remembers, m.dofs, []
+    heats: list[tuple[Callable[[float], None], Array]] = []
     with m.acting():
         model.opt.integrator = _EXPLICIT
         _without_limits(model, True)
@@ -63,11 +67,18 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
             if k % every == 0:
                 _without_limits(model, False)
                 mujoco.mj_forward(model, data)
+                if k == 0:
+                    setters = temperature_setters(model, data)
+                    heats = [
+                        (setters[n], x) for n, x in recording.temperature.items() if n in setters
+                    ]
+                _heat(heats, k)
                 states.append(np.empty(mujoco.mj_stateSize(model, STATE)))
                 mujoco.mj_getState(model, data, states[-1], STATE)
                 qacc[:] = 0.0
                 moved.put(k)
                 _without_limits(model, True)
+            _heat(heats, k)
             if acts:
                 mujoco.mj_fwdPosition(model, data)
                 mujoco.mj_fwdVelocity(model, data)
@@ -92,6 +103,12 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
         states,
         every,
     )
+
+
+def _heat(heats: Sequence[tuple[Callable[[float], None], Array]], k: int) -> None:
+    """Set the measured temperatures of sample k."""
+    for put, celsius in heats:
+        put(float(celsius[k]))
 
 
 def _without_limits(model: mujoco.MjModel, off: bool) -> None:

@@ -51,7 +51,8 @@ def known_of(report: Path, joint: str | None = None) -> Known:
         raise ParameterError(f"{model}: missing next to the report: give the whole folder")
     posterior = Posterior.from_dict(own["posterior"])
     content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
-    return Known(model, name, content, cov, constraint=constraint)
+    bandwidth_hz = float(own.get("bandwidth_hz", np.inf))
+    return Known(model, name, content, cov, constraint=constraint, bandwidth_hz=bandwidth_hz)
 
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, Index
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -26,6 +27,7 @@ from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.files import joint_friction
+from frictionjoint.identify.band import clear_of
 from frictionjoint.identify.constraint_shape import Constraint
 from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose
@@ -37,6 +39,7 @@ from frictionjoint.law.motion import friction_torque
 from frictionjoint.law.presliding import presliding_distance
 from frictionjoint.measured.derivatives import motion_band, on_a_grid, position_noise
 from frictionjoint.measured.log import DRIVES, JointLog, split_at_gaps
+from frictionjoint.measured.lowpass import LowPass, gentle
 from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.parameters import Friction
@@ -62,6 +65,8 @@ class Known:
         content: of its parameter file.
         cov: covariance of the file's numbers, shape (m, m), at the gain of the drive in the model.
         constraint: how it acts in the logs it was fitted to, if they show MuJoCo's `frictionloss`.
+        bandwidth_hz: corner of the filter of the balance that it was fitted with; infinite: that of
+            the motion.
     """
 
     model: str | Path
@@ -70,6 +75,7 @@ class Known:
     cov: Array
     fixed: Mapping[str, Pose] | None = None
     constraint: Constraint | None = None
+    bandwidth_hz: float = np.inf
 
     @property
     def numbers(self) -> list[Number]:
@@ -189,7 +195,8 @@ class _Balance(NamedTuple):
     Attributes:
         by: derivatives of the residual by the p parameters and the time offset, shape (n, p + 1).
         residual: torque that the model requires less the torque that acted, shape (n,).
-        sticks: from 0 in sliding to 1 where the joint sticks, shape (n,).
+        sticks: from 0 in sliding to 1 where the joint sticks, shape (n,). alike: number of samples
+            of the rest that a sample belongs to, whose errors are one and the same; 1 in sliding.
         level: largest torque of the law, N m (N).
         block: index of each sample's block. blocks: number of blocks.
         acted, velocity: at each sample, shape (n,).
@@ -198,6 +205,7 @@ class _Balance(NamedTuple):
     by: Array
     residual: Array
     sticks: Array
+    alike: Array
     level: float
     block: Index
     blocks: int
@@ -215,8 +223,8 @@ class _Step(NamedTuple):
 
 def _solve(balances: Sequence[_Balance], prior: Array) -> _Step:
     """The least-squares step of one set of balances."""
-    keys = "by", "residual", "sticks"
-    J, r, sticks = (np.concatenate([getattr(x, k) for x in balances]) for k in keys)
+    keys = "by", "residual", "sticks", "alike"
+    J, r, sticks, alike = (np.concatenate([getattr(x, k) for x in balances]) for k in keys)
     slides, stuck = sticks < 0.05, sticks > 0.5
     least = (STICKING_ERROR * max(x.level for x in balances)) ** 2
     step: Array = np.zeros(len(prior))
@@ -224,13 +232,13 @@ def _solve(balances: Sequence[_Balance], prior: Array) -> _Step:
         squares = (r + J @ step) ** 2
         variance = float(np.mean(squares[slides] if slides.any() else squares)) + 1e-300
         missed = max(least, float(np.mean(squares[stuck])) - variance) if stuck.any() else least
-        w = variance / (variance + missed * sticks)
+        w = variance / (variance + missed * sticks * alike)
         precision = (J.T * w) @ J / variance + np.diag(prior**-2.0)
         step = np.asarray(np.linalg.solve(precision, -(J.T * w) @ r / variance), dtype=np.float64)
     scores = []
     for x in balances:
         score = np.zeros((x.blocks, len(prior)))
-        own = variance / (variance + missed * x.sticks) * (x.residual + x.by @ step)
+        own = variance / (variance + missed * x.sticks * x.alike) * (x.residual + x.by @ step)
         np.add.at(score, x.block, x.by * own[:, None])
         scores.append(score / variance)
     inverse = np.linalg.inv(precision)
@@ -244,6 +252,9 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
         log = replace(log, position=log.position + added * part.noise)
     recording = Recording.of({known.joint: log}, part.corner, grid_steps(part.corner))
     own = joint_friction(dict(known.content))
+    # differentiated twice, position noise grows with frequency; the band of the fit keeps it out
+    corner = min(known.bandwidth_hz, recording.filter.corner_hz)
+    balance = LowPass(len(recording.time), recording.step, corner, gentle)
 
     def needed(friction: JointFriction | None) -> tuple[Array, Array]:
         model = known.model if friction is None else _with_friction(known, friction)
@@ -254,7 +265,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
         acted = recording.filtered[known.joint]
         if m.controls[known.joint] is not None:
             acted = recording.filter(given)
-        return recording.filter(along.needed[known.joint]), acted
+        return balance(recording.filter(along.needed[known.joint])), balance(acted)
 
     base, acted = needed(None)
     q, velocity, acceleration = recording.motion[known.joint]
@@ -267,7 +278,7 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
 
     law = torque_of(own.parameters)
     if known.constraint:
-        base += recording.filter(law - friction_torque(own.parameters, recording.time, q))
+        base += balance(law - friction_torque(own.parameters, recording.time, q))
     columns = []
     for number, value in zip(numbers, known.values, strict=True):
         by = 0.02 * value
@@ -278,27 +289,35 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
             other = changed(known.content, number, by)
         if number.of_law:
             moved = torque_of(other.parameters)
-            columns.append(recording.filter(moved - law) / by)
+            columns.append(balance(moved - law) / by)
         else:
             # noise of the position changes the friction level, and hardly how other effects act
             if number not in part.acts or number.name.partition(" ")[0] in _OF_LEVEL:
                 part.acts[number] = (needed(other)[0] - base) / by
             columns.append(part.acts[number])
     columns.append(-np.gradient(acted, recording.step))
-    every = max(1, int(1.0 / (A_BALANCE * recording.filter.corner_hz * recording.step)))
-    kept = np.flatnonzero(recording.known[known.joint])[::every]
+    every = max(1, int(1.0 / (A_BALANCE * corner * recording.step)))
+    clear = clear_of(~recording.known[known.joint], corner, recording.step)
+    kept = np.flatnonzero(clear)[::every]
     # in presliding, and at velocities that the encoder does not resolve, the position hardly
     # determines the torque and the law's error is largest; the filter of the motion spreads it
     fastest = 2.0 * np.pi * part.corner
     slowest = V0 + part.resolution * fastest * (1.0 + lead * fastest)
     sticks = np.abs(velocity + lead * acceleration) < slowest
     sticks |= _from_reversal(q) <= presliding_distance(own.parameters, 0.99)
-    fraction = np.clip(recording.filter(sticks.astype(np.float64)), 0.0, 1.0)
+    fraction = np.clip(balance(sticks.astype(np.float64)), 0.0, 1.0)
     block = (recording.time[kept] / part.block).astype(int)
     J, residual = np.column_stack(columns)[kept], (base - acted)[kept]
     level = float(np.max(np.abs(law)))
-    samples = fraction[kept], level, block, part.blocks, acted[kept], velocity[kept]
+    share = fraction[kept]
+    samples = share, _alike(share > 0.05), level, block, part.blocks, acted[kept], velocity[kept]
     return _Balance(J, residual, *samples)
+
+
+def _alike(sticks: NDArray[np.bool_]) -> Array:
+    """Number of samples of the rest that a sample belongs to, 1 for one in sliding, shape (n,)."""
+    lengths = np.diff(np.flatnonzero(np.diff(sticks, prepend=~sticks[:1], append=~sticks[-1:])))
+    return np.where(sticks, np.repeat(lengths, lengths), 1.0)
 
 
 def _from_reversal(q: Array) -> Array:

@@ -90,7 +90,7 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
             f"({', '.join(map(title, corrected))})."
         )
     content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
-    return Known(report.mjcf, report.joint, content, cov, fixed, constraint)
+    return Known(report.mjcf, report.joint, content, cov, fixed, constraint, report.bandwidth_hz)
 
 
 def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dict[str, Any]:

@@ -31,6 +31,7 @@ _JOINT = {
     "slide?": bool,
     "drive?": {"source?": str, "rms?": dict[str, Rms]},
     "intervals?": dict[str, dict[str, list[float]] | None],
+    "bandwidth_hz?": float,
     "at_rest?": float | None,
     "base": _LAW,
     "before": _ERRORS,

@@ -7,6 +7,7 @@ its state is the fraction of the warm-up that has happened.
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import mujoco
@@ -58,6 +59,20 @@ def temperature(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
         TypeError: no MjModel or MjData.
     """
     return _read(model, data, _TEMPERATURES, "temperature")
+
+
+def temperature_setters(
+    model: mujoco.MjModel, data: mujoco.MjData
+) -> dict[str, Callable[[float], None]]:
+    """By joint with a temperature: a function that sets it, deg C, faster than `set_temperature`.
+
+    Args:
+        data: of that model, evaluated at least once.
+    """
+    if not any(_of_block(model.numeric_data, b, _TEMPERATURES) for b in resolve(model).values()):
+        return {}
+    found = _places(model, data, _TEMPERATURES, "temperature")
+    return {name: partial(_put, model, data, places) for name, places in found.items()}
 
 
 def set_temperature(model: mujoco.MjModel, data: mujoco.MjData, joint: str, celsius: float) -> None:
@@ -150,6 +165,15 @@ def _write(
     found = _places(model, data, kinds, what)
     if joint not in found:
         raise ModelError(f"joint {joint!r} has no {what}: choose from {', '.join(found)}")
-    for kind, numbers, committed, evaluated in found[joint]:
+    _put(model, data, found[joint], value)
+
+
+def _put(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    places: list[tuple[_Kind, int, int, int]],
+    value: float,
+) -> None:
+    for kind, numbers, committed, evaluated in places:
         x = kind.write(model.numeric_data[numbers:], value, data.time)
         data.userdata[committed] = data.userdata[evaluated] = x
