@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from frictionjoint.decisions import TIE
+from frictionjoint.decisions import CLEARLY, TIE
 from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.nearest import Replayed, moving_nearest, nearer
+from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.sight import sight
@@ -23,6 +24,7 @@ from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.start import settled
+from frictionjoint.identify.starts import fit
 from frictionjoint.identify.weights import reweighed
 
 
@@ -95,6 +97,10 @@ def _settled(
 ) -> tuple[Finding, ...]:
     """Fit the model to its end; the effects that it still needs, with their evidence."""
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
+    # the law followed the effects from a fit without them, which may be another local minimum
+    anew = fit(state.prepared, state.fit.effects, forms_like(state.fit.shape))
+    if anew.drive_rms < (1.0 - CLEARLY) * state.fit.drive_rms:
+        state.prepared, state.fit = reweighed(*settled(state.prepared, anew))
     prepared, found = with_last_freedoms(state.prepared, state.fit)
     if found is not state.fit:
         state.prepared, state.fit = prepared, found
