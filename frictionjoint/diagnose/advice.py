@@ -23,7 +23,7 @@ _SHOWN_BY = {
     "torque": "one motion at growing payloads, up to the largest torque of the drive",
     "time": "one motion repeated for long, with temperature_c logged too",
     "temperature_c": "one motion with the joint cold and warm",
-    "log": "one motion repeated in the state of the joint in which each log was recorded",
+    "log": "one motion in every log, with temperature_c logged too",
 }
 
 
