@@ -1,4 +1,4 @@
-"""The models say what models/README.md says, and explain the logs they go with."""
+"""The models say what models/README.md says, explain their logs, and stick and slip as the KUKA."""
 
 import json
 import tomllib
@@ -10,6 +10,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.simulate.carrier import read_friction
+from frictionjoint.simulate.stick_slip import SPEED, kuka_model, stick_slip
 
 MODELS = Path(__file__).resolve().parents[1] / "models"
 JOINTS = {
@@ -150,3 +151,18 @@ def test_pendulum_gravity_has_the_sign_of_the_logs(measured_data):
     sine, cosine, _ = np.linalg.lstsq(A, volts, rcond=None)[0]
     assert sine > 3
     assert abs(cosine) < 0.2 * sine
+
+
+def test_slips_and_sticks_of_the_kuka_joint_repeat():
+    run = stick_slip(kuka_model())
+    # stored: 0.1096 rad, 0.227 s, at 1 ms; slip is about vd pi sqrt(J/kp) and more
+    assert len(run.slip_distances) >= 8
+    np.testing.assert_allclose(run.slip_distances[1:], 0.1096, rtol=0.01)
+    np.testing.assert_allclose(run.stick_times, 0.227, atol=0.01)
+    # on average the joint keeps up with the target
+    assert np.mean(run.slip_distances[1:]) / SPEED == pytest.approx(1.1, rel=0.05)
+
+
+def test_native_frictionloss_does_not_stick():
+    native = stick_slip(kuka_model(), native=True)
+    assert len(native.slip_distances) == 0

@@ -1,12 +1,23 @@
-"""The README and the site: few pages, few words, plain ones, and pictures that are small."""
+"""The README and the site: few pages, few words, plain ones, small pictures; the API page lists
+every public name, and the effect that CONTRIBUTING.md shows works as it stands there."""
 
+import importlib.util
 import re
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+import frictionjoint as fj
+from frictionjoint.effects import signals
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
+sys.path.insert(0, str(DOCS))
+import api_page  # noqa: E402
+
+LISTED = [name for names in api_page.GROUPS.values() for name in names]
 README = (ROOT / "README.md").read_text()
 PAGES = sorted(DOCS.glob("*.md"))
 GENERATED = {"effects.md", "commands.md", "api.md"}
@@ -61,3 +72,43 @@ def test_the_readme_shows_a_moving_picture_below_a_megabyte():
 def test_files_that_the_readme_links_exist():
     links = re.findall(r"\]\(([^)#]+)\)", README)
     assert [link for link in links if "://" not in link and not (ROOT / link).exists()] == []
+
+
+def test_every_public_name_is_listed_once() -> None:
+    assert sorted(LISTED) == sorted(fj._HOMES)
+
+
+def test_modules_that_the_pages_import_are_listed() -> None:
+    text = "\n".join([README, *(page.read_text() for page in PAGES)])
+    used = set(re.findall(r"^\s*from (frictionjoint\.\S+) import", text, re.MULTILINE))
+    public = {fj._HOMES[name] for name in LISTED}
+    assert used, "the pages show imports"
+    assert used <= public | set(api_page.MODULES)
+
+
+def test_the_page_says_what_each_name_does() -> None:
+    rows = re.findall(r"^\| `(\w+)\(.*?\)` \| (.+) \|$", api_page.page(), re.MULTILINE)
+    assert {name for name, _ in rows} == set(LISTED)
+    assert all(len(text) > 10 for _, text in rows)
+
+
+@pytest.fixture(scope="module")
+def magnet(tmp_path_factory):
+    guide = (ROOT / "CONTRIBUTING.md").read_text()
+    (code,) = re.findall(r"^```python\n(.*?)^```", guide, re.MULTILINE | re.DOTALL)
+    file = tmp_path_factory.mktemp("guide") / "magnet.py"
+    file.write_text(code)
+    spec = importlib.util.spec_from_file_location("magnet", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_its_torque_pulls_as_its_form_says(magnet):
+    width, strength = 0.2, 3.0
+    torque = getattr(magnet.torque, "py_func", magnet.torque)  # it is not in the built library
+    P, row, X = np.array([width, strength]), np.zeros(signals.N_SIGNALS), np.zeros(3)
+    for q in (-0.3, 0.0, 0.1, 0.2, 2.0):
+        row[signals.Q] = q
+        expected = strength * q / width * np.exp(-((q / width) ** 2))
+        assert torque(P, 0, row, X, 0) == pytest.approx(expected, rel=1e-12)

@@ -14,11 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.decisions import (
-    APART,
-    SMALLEST_GAIN,
-    TIE,
-)
+from frictionjoint.decisions import APART, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, promises, rivals_of
 from frictionjoint.diagnose.drive import look_at_drive, part_left
@@ -67,7 +63,7 @@ def trace(
         progress: called with a description of the current step.
         law: name of the friction law; None for the integrated law.
         replayed: function that simulates logs with a fit and returns the mean square error of each
-            run, rad^2 (m^2), shape (k,), or None. Effects that increase it are dropped.
+            run, rad^2 (m^2), shape (k,), or None.
         by_motion: among local minima of the law with similar torque errors, use the one with the
             smallest position error.
     Raises:
