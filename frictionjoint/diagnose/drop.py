@@ -16,11 +16,12 @@ from frictionjoint.threads import side_by_side
 def drop_idle(state: State) -> None:
     """Remove, one after the other, effects whose removal does not worsen held-out prediction.
 
-    Curves adapt to the data and are no causes, so each effect is judged among causes alone, or
-    next to the curves if it removes as much there as among causes alone: a curve may stand for
-    another effect, larger than this one. An eccentric encoder is a cause, with no more numbers than
-    other waves. Small losses do not accumulate: if either of two effects can be removed but not
-    both, one stays. Findings of what is no longer in the model are forgotten.
+    Curves adapt to the data and are no causes, so each effect is judged among causes alone. It is
+    judged next to the curves too, if at least half of what it removes there it removes without
+    them: a curve may stand for a larger effect, which leaves the others a small part. An eccentric
+    encoder is a cause, with no more numbers than other waves. Small losses do not accumulate: if
+    either of two effects can be removed but not both, one stays. Findings of what is no longer in
+    the model are forgotten.
     """
     state.forget_dropped()
     first = tuple(filter(_is_cause, state.fit.effects))

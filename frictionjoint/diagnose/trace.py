@@ -125,9 +125,7 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
             or _beside_first(state, _first(state), rng)
             or _taken(state, state.candidates, rng)
         )
-    early = _early(state)
-    drive = _of_drive(state, rng) if early else []
-    return drive or _taken(state, state.candidates, rng) or ([] if early else _of_drive(state, rng))
+    return _of_drive(state, rng) or _taken(state, state.candidates, rng)
 
 
 def _early(state: State) -> bool:
