@@ -32,7 +32,7 @@ def screen_of(sets, residual, low=-np.inf):
     of_sample = np.repeat(np.arange(COUNT), LENGTH)
     fold = np.arange(COUNT) * FOLDS // COUNT
     halves = np.arange(COUNT) % 2
-    blocks = Blocks(of_sample, fold, halves, np.zeros(COUNT, dtype=np.int64), np.ones(1))
+    blocks = Blocks(of_sample, fold, halves, np.zeros(COUNT, dtype=np.int64))
     X = np.hstack(sets)
     columns = np.asfortranarray(np.column_stack([X / np.linalg.norm(X, axis=0), residual]))
     edges = np.cumsum([0, *(s.shape[1] for s in sets)])

@@ -28,7 +28,7 @@ def blocks():
     of_sample = np.arange(N) // LENGTH
     block = np.arange(BLOCKS)
     log = np.zeros(BLOCKS, dtype=int)
-    return Blocks(of_sample, block % FOLDS, (block // FOLDS) % 2, log, np.zeros(1))
+    return Blocks(of_sample, block % FOLDS, (block // FOLDS) % 2, log)
 
 
 def fitted(y, X, weight=None):

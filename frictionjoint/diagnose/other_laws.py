@@ -89,11 +89,6 @@ class OtherLaws:
             for shape in each(ripest, self._rivals):
                 self.shapes[shape.variables] = shape
 
-    @property
-    def own_forms(self) -> list[Sequence[Shape]]:
-        """Forms of the requested law, by the names of their numbers."""
-        return [_FORMS[names] for names in self._own]
-
     def starts(self, shape: Shape) -> tuple[Shape, ...]:
         """Starting shapes for refitting the law after effects are removed: the present one, and
         unbiased ones.
@@ -145,7 +140,8 @@ class OtherLaws:
         They come from a coarse search, accurate enough for simulation.
         """
         self._progress("fit: other minima")
-        places = [p for forms in self.own_forms for p in ripened(prepared, fitted.effects, forms)]
+        own = [_FORMS[names] for names in self._own]
+        places = [p for forms in own for p in ripened(prepared, fitted.effects, forms)]
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 

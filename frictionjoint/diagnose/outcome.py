@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from frictionjoint.decisions import CLEARLY, TIE
+from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, settle_ties, weigh_others
@@ -99,7 +99,7 @@ def _settled(
     state.prepared, state.fit = reweighed(*settled(state.prepared, state.fit))
     # the law followed the effects from a fit without them, which may be another local minimum
     anew = fit(state.prepared, state.fit.effects, forms_like(state.fit.shape))
-    if anew.drive_rms < (1.0 - CLEARLY) * state.fit.drive_rms:
+    if anew.clearly_better(state.fit):
         state.prepared, state.fit = reweighed(*settled(state.prepared, anew))
     prepared, found = with_last_freedoms(state.prepared, state.fit)
     if found is not state.fit:

@@ -18,13 +18,11 @@ class Scored:
     (B,).
 
     Attributes:
-        noise: sum of squares that instrument noise leaves to a perfect model.
         impossible: names of effects with a number that the logs push past its physical range.
     """
 
     fit: Fit
     squares: Array = field(repr=False)
-    noise: float = 0.0
     impossible: frozenset[str] = frozenset()
 
     @property
@@ -36,26 +34,18 @@ class Scored:
         """Fraction of another model's sum of squares that this one removes."""
         return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
 
-    @property
-    def above_noise(self) -> float:
-        """rms of the residual torque above the noise, relative to that of friction."""
-        return self._over_friction(self.total - self.noise)
-
     def moved(self, other: "Scored") -> float:
         """rms of the torque by which this model improves on another, relative to that of
         friction."""
-        return self._over_friction(other.total - self.total)
+        f, less = self.fit, max(0.0, other.total - self.total)
+        friction = float(np.sum((f.friction * f.weight) ** 2)) / f.error_unit**2
+        return float(np.sqrt(less / friction)) if friction else 0.0
 
     def of_drive(self, other: "Scored") -> float:
         """The rms improvement over another model, relative to the rms of the drive."""
         f = self.fit
         nearer = max(0.0, other.total - self.total) / len(f.residual)
         return float(np.sqrt(nearer)) * f.error_unit / f.target_rms
-
-    def _over_friction(self, squares: float) -> float:
-        f = self.fit
-        friction = float(np.sum((f.friction * f.weight) ** 2)) / f.error_unit**2
-        return float(np.sqrt(max(0.0, squares) / friction)) if friction else 0.0
 
     def better(self, other: "Scored", errors: float = 1.0) -> bool:
         """Whether it predicts better by more than a number of paired standard errors over
@@ -72,7 +62,6 @@ def scored(fitted: Fit, blocks: Blocks) -> Scored:
     # in the units in which fits are made, where an effect may change the gain
     squares, _ = found.held_out(found.terms)
     squares += np.bincount(blocks.of_sample, unreached(fitted), blocks.count)
-    noise = float(blocks.floor[fitted.log_index] @ fitted.weight**2)
     beyond = impossible(fitted, blocks)
     unit = fitted.error_unit**2
-    return Scored(fitted, squares / unit, noise / unit, beyond)
+    return Scored(fitted, squares / unit, beyond)

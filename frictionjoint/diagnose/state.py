@@ -87,8 +87,7 @@ class State:
         """Blocks of the present model, with and without the direction of possible errors of the
         law."""
         own = self._model.blocks
-        both = (self.laws.errors(self.fit), *self._unnamed)
-        return replace(own, law_errors=np.hstack(both)), self._beside(own, ())
+        return self._apart_from(own, self.laws.errors(self.fit)), self._apart_from(own)
 
     @property
     def candidates(self) -> list[Candidate]:
@@ -106,17 +105,14 @@ class State:
 
     def _way(self, model: _Model) -> Blocks:
         errors = (self.laws.errors(model.fit),) if self.law_errs else ()
-        return self._beside(model.blocks, errors)
+        return self._apart_from(model.blocks, *errors)
 
-    def _beside(self, blocks: Blocks, errors: tuple[Array, ...]) -> Blocks:
-        directions = (*errors, *self._unnamed)
-        return replace(blocks, law_errors=np.hstack(directions)) if directions else blocks
-
-    @property
-    def _unnamed(self) -> tuple[Array, ...]:
-        """`unnamed` where it belongs to the samples of the present logs."""
+    def _apart_from(self, blocks: Blocks, *errors: Array) -> Blocks:
+        """The blocks with some directions of errors, and with `unnamed` where it belongs to the
+        samples of the present logs."""
         n = len(self.fit.residual)
-        return tuple(x for x in self.unnamed if len(x) == n)
+        directions = (*errors, *(x for x in self.unnamed if len(x) == n))
+        return replace(blocks, law_errors=np.hstack(directions)) if directions else blocks
 
     @property
     def _model(self) -> _Model:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from frictionjoint.decisions import APART, CLEARLY
+from frictionjoint.decisions import APART
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of, start_of
@@ -73,7 +73,7 @@ def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[
     clear = [
         f
         for f in forms
-        if f.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms
+        if f.clearly_better(fitted)
         and not (isinstance(f.shape, ConstraintShape) and f.shape.at_an_end)
     ]
     if not clear:

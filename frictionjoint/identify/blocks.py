@@ -53,7 +53,6 @@ class Blocks:
         halves: first or second half of its log, for effects that act in one fold only, shape (B,).
         log: log of each block, shape (B,). noise: variance of white noise with the spectral density
             of the torque instrument, (N m)^2.
-        floor: mean square that instrument noise contributes to a sample of each log, (N m)^2, (k,).
         law_errors: directions of possible errors of the law, N m, shape (n, m), see
             `OtherLaws.errors`.
     """
@@ -62,7 +61,6 @@ class Blocks:
     fold: Index
     halves: Index
     log: Index
-    floor: Array
     noise: float = 0.0
     law_errors: Array | None = field(default=None, repr=False)
 
@@ -208,9 +206,7 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
         fold = _kinds(prepared, log_index)[np.array(log)]
     variance = [s.noise.torque / (2.0 * s.dt * s.step) for s in prepared.segments]
     noise = float(np.mean(variance)) * fitted.gain**2
-    left = [sum(s.noise.left(s.bandwidth_hz)) for s in prepared.segments]
-    floor = np.array(left) * fitted.gain**2
-    return Blocks(of_sample, fold, np.array(halves), np.array(log), floor, noise)
+    return Blocks(of_sample, fold, np.array(halves), np.array(log), noise)
 
 
 def _kinds(prepared: Prepared, of_sample: Index) -> Index:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.load_coefficients import with_load
@@ -98,6 +99,10 @@ class Fit:
     def rms_in_motion(self) -> float:
         """rms of the residual over the samples in motion, N m, used to compare laws."""
         return root_mean_square(self.residual[self.in_motion])
+
+    def clearly_better(self, other: "Fit") -> bool:
+        """Whether the residual is clearly smaller than another fit's."""
+        return self.drive_rms < (1.0 - CLEARLY) * other.drive_rms
 
     @property
     def scale(self) -> float:

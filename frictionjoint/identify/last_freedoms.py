@@ -10,7 +10,6 @@ an asymmetry of the friction.
 
 from dataclasses import replace
 
-from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import ROUGH, refit
@@ -31,7 +30,7 @@ def with_last_freedoms(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         if not isinstance(shape, IntegratedShape) or free(shape) == shape:
             continue
         freed = refit(prepared, found.effects, free(shape), ROUGH)
-        if _clearly_better(freed, found):
+        if freed.clearly_better(found):
             found = _best_form(prepared, freed)
     return (prepared, fitted) if found is fitted else reweighed(prepared, found)
 
@@ -43,11 +42,7 @@ def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:
     # a narrow and a wide Stribeck curve are local minima of their own
     found = [refit(prepared, fitted.effects, start, ROUGH) for start in shape.with_sharp_sliding()]
     best: Fit = best_of(found, lambda f: f.drive_rms)
-    return best if _clearly_better(best, fitted) else fitted
-
-
-def _clearly_better(found: Fit, fitted: Fit) -> bool:
-    return found.drive_rms < (1.0 - CLEARLY) * fitted.drive_rms
+    return best if best.clearly_better(fitted) else fitted
 
 
 def _best_form(prepared: Prepared, fitted: Fit) -> Fit:

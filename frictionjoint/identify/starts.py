@@ -40,7 +40,7 @@ def fit(
         forms: of the law.
     """
     progress(f"fitting the friction law in {len(forms)} forms")
-    followed = _followed(screened_starts(prepared, terms, forms))
+    followed = _followed(_screened(prepared, terms, forms))
     # the two best forms, if the second costs at most twice as much
     finalists = [p for p in followed if p.cost <= 2.0 * followed[0].cost][:2]
     final, steps = [], 15
@@ -113,13 +113,11 @@ def with_times(
 def ripened(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
     """Each form of a law after some steps of a coarse search, best first, with the costs of that
     search."""
-    return _followed(screened_starts(prepared.thinned(COARSE), terms, forms))
+    return _followed(_screened(prepared.thinned(COARSE), terms, forms))
 
 
 @one_thread
-def screened_starts(
-    prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]
-) -> list[Place]:
+def _screened(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
     """The best start of each form of a law, with the solved coefficients, best first."""
     linear = LawBasis(prepared).fitted(forms[0], terms, prepared.weight)
     start = LawStart.of(linear.reaches, linear.levels, prepared.top_speed)

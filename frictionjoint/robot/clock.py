@@ -56,9 +56,7 @@ class Clock:
         return len(self.log)
 
     def blocks(self, joint: FittedJoint) -> Blocks:
-        return Blocks(
-            self.of_sample(joint), self.fold, self.log, self.log, np.zeros(self.log.max() + 1)
-        )
+        return Blocks(self.of_sample(joint), self.fold, self.log, self.log)
 
     def of_sample(self, joint: FittedJoint) -> Index:
         """Block number of each kept sample of a joint's logs, shape (n,)."""
