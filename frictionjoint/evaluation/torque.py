@@ -78,7 +78,8 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
                 qacc[:] = 0.0
                 moved.put(k)
                 _without_limits(model, True)
-            _heat(heats, k)
+            else:
+                _heat(heats, k)
             if acts:
                 mujoco.mj_fwdPosition(model, data)
                 mujoco.mj_fwdVelocity(model, data)
