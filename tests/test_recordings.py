@@ -23,6 +23,7 @@ from frictionjoint.recordings.between import Between, moderated
 from frictionjoint.recordings.drift import drift, known_of
 from frictionjoint.recordings.estimate import Estimates, Known
 from frictionjoint.recordings.in_report import with_recordings
+from frictionjoint.recordings.numbers import numbers_of
 from frictionjoint.refine.posterior import Posterior, numbers_in
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import install
@@ -122,6 +123,15 @@ def test_a_recording_says_what_changed() -> None:
     assert value(after, "Fc")[0] == pytest.approx(0.36, rel=0.03)
     assert value(after, "sigma2")[0] == pytest.approx(0.10, rel=0.08)
     assert 0.0 < value(after, "Fc")[1] < 0.01
+
+
+def test_where_an_effect_is_zero_is_a_choice_and_is_not_compared() -> None:
+    """Freed, a reference temperature takes the place of the friction level."""
+    table = {"effect": "temperature-dependent", "form": 27, "T0": 30.0, "scale": 20.0}
+    content = dict(known().content) | {"effects": [table | {"level": 0.1, "viscous": 0.05}]}
+    names = {x.name for x in numbers_of(content)}
+    assert {"Fc", "temperature-dependent level", "temperature-dependent scale"} <= names
+    assert "temperature-dependent T0" not in names
 
 
 def test_rests_do_not_outweigh_the_motion_between_them() -> None:

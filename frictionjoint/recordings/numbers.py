@@ -15,8 +15,8 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameter_meanings import meaning
 from frictionjoint.refine.posterior import entries, numbers_in, with_numbers
 
-# N counts teeth or magnets
-_SHAPES = ("delta", "n", "i", "form", "reach", "sigma1", "N", "knots")
+# N counts teeth or magnets; T0 is where the law applies, a choice
+_SHAPES = ("delta", "n", "i", "form", "reach", "sigma1", "N", "knots", "T0")
 _OTHER_SIDE = {"pos": "neg", "neg": "pos"}
 
 
