@@ -1,12 +1,13 @@
 """Parameter files: TOML with the law's fields, and the effects under ``[[effects]]``."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import tomlkit
 
 from frictionjoint.effects.catalogue import SIMULATED
+from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
 from frictionjoint.errors import ParameterError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.laws import parameters_from_dict
@@ -83,24 +84,32 @@ def _effect(table: Any) -> SimulatedEffect:
     return SimulatedEffect(effect, values[:cut], values[cut:])
 
 
-def toml_text(parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()) -> str:
-    """Inverse of `read_parameters`, exact to the last bit."""
-    return tomlkit.dumps(toml_document(parameters, effects))
+def toml_text(
+    parameters: Friction, effects: tuple[SimulatedEffect, ...] = (), notes: Sequence[str] = ()
+) -> str:
+    """Inverse of `read_parameters`, exact to the last bit.
+
+    Args:
+        notes: on the friction, written as comments.
+    """
+    return tomlkit.dumps(toml_document(parameters, effects, notes))
 
 
-def toml_text_without_scale(parameters: Friction, unit: str) -> str:
+def toml_text_without_scale(parameters: Friction, unit: str, notes: Sequence[str] = ()) -> str:
     """Text of friction that is known in A or V only, or in rad or m where kp is not known;
     `read_parameters` rejects it."""
     comment = f"Joint friction in {unit}: its logs do not determine N m/{unit}."
-    return tomlkit.dumps(_document(comment, {"unit": unit, **parameters.to_dict()}))
+    return tomlkit.dumps(_document((comment, *notes), {"unit": unit, **parameters.to_dict()}))
 
 
 def toml_document(
-    parameters: Friction, effects: tuple[SimulatedEffect, ...] = ()
+    parameters: Friction, effects: tuple[SimulatedEffect, ...] = (), notes: Sequence[str] = ()
 ) -> tomlkit.TOMLDocument:
     """The TOML document of `toml_text`."""
-    comment = "Joint friction, SI units: N m and rad, or N and m for a slide."
-    document = _document(comment, parameters.to_dict())
+    comments = ["Joint friction, SI units: N m and rad, or N and m for a slide.", *notes]
+    if any(x.effect is TORQUE_GAIN for x in effects):
+        comments.append("The unit of torques is that of the log, 1 + gain times the true one.")
+    document = _document(comments, parameters.to_dict())
     if effects:
         tables = tomlkit.aot()
         for effect in effects:
@@ -114,9 +123,10 @@ def toml_document(
     return document
 
 
-def _document(comment: str, values: Mapping[str, Any]) -> tomlkit.TOMLDocument:
+def _document(comments: Sequence[str], values: Mapping[str, Any]) -> tomlkit.TOMLDocument:
     document = tomlkit.document()
-    document.add(tomlkit.comment(comment))
+    for comment in comments:
+        document.add(tomlkit.comment(comment))
     for key, value in values.items():
         document.add(key, value)
     return document

@@ -1,5 +1,6 @@
 """What logs do not determine of a law is assumed and said to be so."""
 
+import tomllib
 from dataclasses import replace
 
 import mujoco
@@ -10,6 +11,8 @@ import frictionjoint as fj
 from frictionjoint import close_loop, uninstall
 from frictionjoint.decisions import CLEARLY
 from frictionjoint.effects.load_dependent import EFFECT as LOAD_DEPENDENT
+from frictionjoint.errors import LogError
+from frictionjoint.files import joint_friction
 from frictionjoint.identify.assumptions import (
     shortest,
     with_assumed_breakaway,
@@ -99,8 +102,19 @@ def test_without_a_coulomb_level_no_stiffness_is_assumed_and_the_joint_does_not_
 def test_coulomb_friction_that_a_sweep_in_one_direction_does_not_show_is_not_called_none():
     q = 0.1 * T + 0.02 * T**2
     sweep = logged(q, 0.002 + 0.5 * LEVEL * np.arange(N) / N, 0.4, 0)
-    (said,) = fj.identify([sweep], JOINT, "j").notes
+    report = close_loop([sweep], JOINT, "j", [replace(sweep, name="1", position=q + 1e-3)])
+    (said,) = (x for x in report.notes if "Coulomb friction," in x)
     assert "do not determine Coulomb friction, because the joint moves in one direction" in said
+    # no parameter file without the number it is for
+    with pytest.raises(LogError, match="0: does not determine Coulomb friction, because the joint"):
+        fj.identify([sweep], JOINT, "j")
+
+
+def test_a_parameter_file_says_what_is_assumed():
+    found = fj.identify([log(5e5)], JOINT, "j")
+    text = found.to_toml()
+    assert "# The presliding stiffness is assumed: these logs do not determine it." in text
+    assert joint_friction(tomllib.loads(text)).parameters == found.parameters
 
 
 def test_friction_that_would_vanish_with_the_load_gets_a_level():

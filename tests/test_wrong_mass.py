@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
+import pytest
 
 from frictionjoint import close_loop
+from frictionjoint.files import toml_text
 from frictionjoint.measured.log import JointLog
 
 LOSS, DAMPING, ARMATURE = 0.3, 0.05, 0.02
@@ -80,3 +82,14 @@ def test_an_encoder_zero_that_is_off_is_said_and_so_is_a_knock():
 def test_a_wrong_motor_constant_is_no_mass():
     """It makes the armature's torque too large as well."""
     assert told(joint(), gain=1.15) == [{"torque-gain"}]
+
+
+def test_with_a_wrong_motor_constant_friction_is_said_to_be_in_the_unit_of_the_log():
+    report = close_loop([driven(joint(), 1, 1.2), driven(joint(), 2, 1.2)], BELIEVED, "j")
+    assert report.final["Fc_pos"].value == pytest.approx(1.2 * LOSS, rel=0.05)
+    (note,) = (note for note in report.notes if "unit of the log" in note)
+    assert re.match(r"The logged torque is 1\.(19|2)\d* times the true one", note)
+    assert "the logged torque, in whose unit friction is stated" in report.mjcf
+    assert "in whose unit friction is stated" in report.summary()
+    text = toml_text(report.carried.parameters, report.carried.effects)
+    assert "# The unit of torques is that of the log" in text

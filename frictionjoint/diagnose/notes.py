@@ -8,6 +8,7 @@ from frictionjoint.decisions import CLEARLY, MOSTLY, SURELY
 from frictionjoint.diagnose.encoder_zero import offset_instead
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.signals import TIME, Q
+from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.gate import SURE
 from frictionjoint.identify.notes import assumed_note, inertia_note
@@ -51,6 +52,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *scale_note(found.final, found.prepared.slide),
         *inertia_note(found.prepared, found.final),
         *(() if load_shows else (NO_LOAD,)),
+        *_motor_constant_note(found),
         *_offset_note(found, cov),
         *_event_note(found),
         *_limit_note(found),
@@ -59,6 +61,22 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *_constraint_note(found),
         *_rest_note(found),
         *_laws_note(found),
+    )
+
+
+def _motor_constant_note(found: Trace) -> tuple[str, ...]:
+    """Note that a wrong motor constant leaves friction in the unit of the logged torque."""
+    gains = [
+        1.0 + float(found.final.term_coefficients(i)[0])
+        for i, term in enumerate(found.final.terms)
+        if term.name == TORQUE_GAIN.name
+    ]
+    drive = "force" if found.prepared.slide else "torque"
+    return tuple(
+        f"The logged {drive} is {gain:.4g} times the true one. Friction is stated in the unit of "
+        f"the log, and model.xml requires its {drive} in that unit too: divide both by {gain:.4g} "
+        "for true values, or correct the log and repeat the analysis."
+        for gain in gains
     )
 
 

@@ -11,7 +11,7 @@ _QUANTITIES = {
     "emf": "voltage per speed",
     "factor": "factor of kp",
     "flank_resonance": "resonance frequency of the flanks",
-    "gain": "relative error of the torque",
+    "gain": "relative error of the logged torque, in whose unit friction is stated",
     "gap_times_inertia": "gap times inertia",
     "inertia": "inertia that the model lacks",
     "kt2_over_R": "kt²/R",

@@ -3,10 +3,13 @@
 import numpy as np
 
 from frictionjoint.effects.signals import GX, GY, LOAD, A, V
+from frictionjoint.errors import LogError, few
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import LOOSE, law_estimates, law_parameters
 from frictionjoint.identify.segment import Prepared
+
+_SLOW = "record slow constant velocities in both directions, where viscous friction is small"
 
 
 def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
@@ -41,21 +44,39 @@ def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
     )
 
 
+def require_level(prepared: Prepared, fitted: Fit) -> None:
+    """Raise LogError if the law has no Coulomb friction because the logs do not determine it."""
+    if not (fitted.has_level or _shows_no_level(prepared, fitted)):
+        names = few([s.name for s in prepared.segments])
+        raise LogError(
+            f"{names}: does not determine Coulomb friction{_one_way(prepared, fitted)}: {_SLOW}"
+        )
+
+
+def _shows_no_level(prepared: Prepared, fitted: Fit) -> bool:
+    """Whether the logs determine the Coulomb friction of a fit without it."""
+    cov = stated_covariance(prepared, fitted)
+    error = law_estimates(fitted, cov, prepared.slide)["Fc_pos"].stderr
+    # twice this error would be as large as the residual, and still not be seen
+    return error is not None and error <= LOOSE * fitted.rms_in_motion
+
+
+def _one_way(prepared: Prepared, fitted: Fit) -> str:
+    """Why a motion does not determine Coulomb friction, if it is one in a single direction."""
+    forward = float(np.mean(prepared.at_kept(V)[fitted.in_motion] > 0.0))
+    return "" if 0.01 < forward < 0.99 else ", because the joint moves in one direction only"
+
+
 def assumed_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
     """Notes on what is assumed, or that the law has no Coulomb friction."""
     if not fitted.has_level:
-        cov = stated_covariance(prepared, fitted)
-        error = law_estimates(fitted, cov, prepared.slide)["Fc_pos"].stderr
         said = "show no Coulomb friction: its fitted value is zero"
-        # twice this error would be as large as the residual, and still not be seen
-        if error is None or error > LOOSE * fitted.rms_in_motion:
-            forward = float(np.mean(prepared.at_kept(V)[fitted.in_motion] > 0.0))
-            one_way = ", because the joint moves in one direction only"
-            why = one_way if not 0.01 < forward < 0.99 else ""
+        if not _shows_no_level(prepared, fitted):
+            why = _one_way(prepared, fitted)
             said = f"do not determine Coulomb friction{why}; its fitted value, zero, says nothing"
         return (
-            f"These logs {said}. So the model does not hold the joint at rest. Record "
-            "slow constant velocities in both directions, where viscous friction is small.",
+            f"These logs {said}. So the model does not hold the joint at rest. "
+            f"{_SLOW[0].upper()}{_SLOW[1:]}.",
         )
     shape = fitted.shape
     found = []

@@ -18,7 +18,12 @@ from frictionjoint.identify.gate import check_fit, scale_is_determined
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
-from frictionjoint.identify.notes import assumed_note, inertia_note, other_drive_note
+from frictionjoint.identify.notes import (
+    assumed_note,
+    inertia_note,
+    other_drive_note,
+    require_level,
+)
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     Estimate,
@@ -61,10 +66,10 @@ class Identified:
         return self.unit in ("N m", "N")
 
     def to_toml(self) -> str:
-        """Text of the parameter file that `frictionjoint identify` writes."""
+        """Text of the parameter file that `frictionjoint identify` writes, notes as comments."""
         if self.scaled:
-            return toml_text(self.parameters)
-        return toml_text_without_scale(self.parameters, self.unit)
+            return toml_text(self.parameters, notes=self.notes)
+        return toml_text_without_scale(self.parameters, self.unit, self.notes)
 
     def to_dict(self) -> dict[str, Any]:
         """As `frictionjoint identify --json` prints it."""
@@ -115,6 +120,7 @@ def identify_law(
     prepared, fitted = with_last_freedoms(prepared, fitted)
     prepared, fitted = with_assumptions(prepared, fitted)
     check_fit(prepared, fitted)
+    require_level(prepared, fitted)
     if not scale_is_determined(prepared, fitted):
         fitted = without_scale(fitted)
     unit, _ = units_of(fitted, body.slide)
