@@ -153,6 +153,26 @@ def test_the_verdict_owns_up(found, nothing):
     assert "Nothing that these logs can show" in quiet.summary()
     missed = replace(nothing, verdict="partly-explained", unexplained=(("arm.velocity", 0.9),))
     assert "depends on velocity of 'arm' (90%)" in missed.summary()
+    assert "which no known effect explains" in missed.summary()
+
+
+def test_the_headline_says_the_cause_of_a_dependence_and_what_the_effects_explain(found, nothing):
+    cause = {"position": "The logged position seems off by up to 0.04 rad, 1 per turn: look."}
+    off = {"unexplained": (("position", 0.9),), "unexplained_causes": cause}
+    alone = replace(nothing, verdict="partly-explained", **off)
+    assert "No effect of the joint. The logged position seems off by up to" in alone.summary()
+    for report in (alone, replace(found, verdict="partly-explained", **off)):
+        assert "1 per turn: look (90% of the squared residual)." in report.summary()
+        assert "no known effect explains" not in report.summary()
+        page = render(report, content(report))
+        assert cause["position"] in page
+        assert "No known effect explains it" not in page
+    rest = replace(found, verdict="partly-explained", unexplained=(("log", 0.4),))
+    assert re.search(
+        r"The resulting model removes 9\d% of the squared error\. What remains still depends on "
+        r"the recording \(40%\), which no known effect explains\.",
+        rest.summary(),
+    )
 
 
 def test_a_plot_has_friction_torque_and_position(found):
@@ -168,7 +188,7 @@ def test_advice_names_what_these_logs_leave_open():
         "stiffness": Estimate(1e4, None, "N m/rad"),
     }
     tie, unexplained, velocity, presliding_motion, held = what_to_record(
-        [(effect, "gravity-error")], [], [("load", 0.3)], law, False, {("Vs_pos",): "a sine"}
+        [(effect, "gravity-error")], [], {"load": ""}, law, False, {("Vs_pos",): "a sine"}
     )
     assert "spring, cable or balancer from payload or wrong mass" in tie
     assert effect.separating_motion in tie
@@ -177,11 +197,18 @@ def test_advice_names_what_these_logs_leave_open():
     assert presliding_motion.startswith("To determine presliding stiffness:")
     assert "--held-out" in held
     sure = {"Fs_pos": Estimate(1.0, 0.01, "N m")}
-    assert what_to_record([], [], [], sure, True, {}) == ()
-    (of_log,) = what_to_record([], [], [("log", 0.9)], sure, True, {})
-    assert of_log.startswith("To find what depends on log: one motion in every log")
+    assert what_to_record([], [], {}, sure, True, {}) == ()
+    (of_log,) = what_to_record([], [], {"log": ""}, sure, True, {})
+    assert of_log.startswith("To find what depends on the recording: the same motion in every log")
+    asked = {"wrist.velocity": "", "oil": "", "position": "The encoder is off its centre."}
+    of_joint, of_signal, of_encoder = what_to_record([], [], asked, sure, True, {})
+    assert "this joint alone" in of_joint
+    assert of_signal.endswith("one motion at low and at high values of it.")
+    assert of_encoder == (
+        "To find what else depends on position: the same motion, once its cause is corrected."
+    )
     of_error, of_output = (e for e in DRIVE_EFFECTS if e.name == "duty-drop")
-    (form,) = what_to_record([], [(of_error, of_output)], [], sure, True, {})
+    (form,) = what_to_record([], [(of_error, of_output)], {}, sure, True, {})
     assert of_error.form in form
     assert of_output.form in form
     assert "two gains" in form

@@ -21,16 +21,16 @@ _SHOWN_BY = {
     "acceleration": "one path at a speed and at twice that: accelerations are four times as large",
     "load": "one motion with two payloads",
     "torque": "one motion at growing payloads, up to the largest torque of the drive",
-    "time": "one motion repeated for long, with temperature_c logged too",
+    "time": "one motion repeated for long, with temperature_c in the log",
     "temperature_c": "one motion with the joint cold and warm",
-    "log": "one motion in every log, with temperature_c logged too",
+    "log": "the same motion in every log, with temperature_c in it",
 }
 
 
 def what_to_record(
     ties: Iterable[tuple[Effect, str]],
     forms: Iterable[tuple[Effect, Effect]],
-    unexplained: Iterable[tuple[str, float]],
+    unexplained: Mapping[str, str],
     law: Mapping[str, Estimate],
     held_out: bool,
     computed: Mapping[tuple[str, ...], str],
@@ -42,7 +42,7 @@ def what_to_record(
     Args:
         ties: an added effect and the name of another that explains as much.
         forms: an added effect and a form of it that explains as much.
-        unexplained: quantities the residual still depends on, with the fractions they explain.
+        unexplained: quantities the residual still depends on, each with its cause; empty: unknown.
         law: the final estimates by name.
         held_out: whether a log was kept from fit and choice.
         computed: see `computed_proposals`.
@@ -57,8 +57,15 @@ def what_to_record(
             f"To know which form of {title(own.name)} acts, '{own.form}' or '{other.form}', "
             f"which explain as much: {own.separating_motion}."
         )
-    for variable, _ in unexplained:
-        motion = _SHOWN_BY.get(variable, "this joint alone with the others held, then the others")
+    for variable, cause in unexplained.items():
+        if cause:
+            again = "the same motion, once its cause is corrected"
+            found[(variable,)] = f"To find what else depends on {quantity(variable)}: {again}."
+            continue
+        motion = "one motion at low and at high values of it"
+        if variable.endswith((".position", ".velocity", ".acceleration")):
+            motion = "this joint alone with the others held, then the others"
+        motion = _SHOWN_BY.get(variable, motion)
         found[(variable,)] = f"To find what depends on {quantity(variable)}: {motion}."
     for motion, names in loose_parameters(law):
         found[names] = f"To determine {meanings(names)}: {motion}."

@@ -68,7 +68,8 @@ def build_report(
     if scaled:  # otherwise the torque that a motion needs is unknown
         planner = Planner(moving, final, body)
         computed = computed_proposals(planner, parts.rivals(found), cov, estimates)
-    open_questions = parts.ties(found), parts.forms(found), found.unexplained, estimates
+    unexplained = {name: found.causes.get(name, "") for name, _ in found.unexplained}
+    open_questions = parts.ties(found), parts.forms(found), unexplained, estimates
     return Report(
         joint=body.joint,
         slide=body.slide,
@@ -91,6 +92,7 @@ def build_report(
         bandwidth_hz=logs.prepared.band.balance,
         noise_floor=noise_floor(moving, final.gain),
         unexplained=found.unexplained,
+        unexplained_causes=found.causes,
         verdict=verdict(found, (torque[0], before), (torque[1], after), diverges),
         mjcf=model_text(spec, body.mjcf),
         seconds=time.perf_counter() - begin,

@@ -1,6 +1,6 @@
 """Outcome of the search: effects with their evidence."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -93,7 +93,7 @@ class Trace:
         base: fit of the law alone. findings: added effects in order. final: the last fit.
         unexplained: quantities on which the residual depends without a named effect, with the
             fraction of the squared residual that they explain.
-        hints: possible causes of these, one sentence each.
+        hints: possible causes of these, one sentence each. causes: those with a cause, by name.
         last_look: candidates against the final residual.
         other_laws: the final effects with each other law.
         sight: the smallest detectable effect.
@@ -110,6 +110,7 @@ class Trace:
     other_laws: Comparison
     sight: Sight
     not_given: tuple[NotGiven, ...] = ()
+    causes: Mapping[str, str] = field(default_factory=dict)
 
     def as_fitted(self, kept_back: Prepared) -> Prepared:
         """Held-out logs, corrected for the instrument errors that were found in the fitted logs."""

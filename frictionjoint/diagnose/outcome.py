@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
@@ -42,11 +43,13 @@ def finish_search(
     """
     unexplained: dict[str, float] = {}
     hints: list[str] = []
+    causes: dict[str, str] = {}
     blocks = state.blocks
     whole = scored(state.fit, blocks)
     for i, term in enumerate(state.fit.terms):
         if isinstance(term, SmoothTerm):
             gain = whole.gain(scored(without(state, term), blocks))
+            largest = gain >= unexplained.get(term.name, 0.0)
             unexplained[term.name] = max(gain, unexplained.get(term.name, 0.0))
             alike = quantities_alike(state, blocks, i)
             for name, its in alike.items():
@@ -55,18 +58,18 @@ def finish_search(
             if not state.prepared.gain_unknown and not isinstance(term, ExcessTerm):
                 unit, _ = units_of(state.fit, state.prepared.slide)
                 hints.append(term.says(state.fit.term_coefficients(i), unit))
+                if largest:
+                    causes[term.name] = hints[-1]
     not_given: tuple[NotGiven, ...] = ()
     # of several dependences one may be left without its share
     said = {name: x for name, x in unexplained.items() if x >= TIE * max(unexplained.values())}
     if unexplained:
-        state.unnamed = tuple(
-            state.fit.term_torque(i)[:, None]
-            for i, term in enumerate(state.fit.terms)
-            if isinstance(term, SmoothTerm)
-        )
+        before, with_unnamed = state.prepared, state.fit
         not_given = _without_unnamed(state, replayed)
+        state.unnamed = _unnamed_torque(before, with_unnamed, state.prepared)
         unit, _ = units_of(state.fit, state.prepared.slide)
-        hints += [term.says(np.array([fraction]), unit) for term, fraction in not_given]
+        causes |= {term.name: term.says(np.array([x]), unit) for term, x in not_given}
+        hints += [causes[term.name] for term, _ in not_given]
         drop_idle(state)
     findings: tuple[Finding, ...] = ()
     # a model without effects is the law alone
@@ -85,6 +88,7 @@ def finish_search(
         final=state.fit,
         unexplained=tuple(sorted(said.items(), key=lambda x: -x[1])),
         hints=tuple(filter(None, hints)),
+        causes={name: causes[name] for name in said if causes.get(name)},
         not_given=not_given,
         last_look=state.look,
         other_laws=state.laws.compared(state.prepared, state.fit),
@@ -118,6 +122,20 @@ def _settled(
 def _alike_hint(one: str, other: str) -> str:
     first, second = (name.removesuffix("_c") for name in (one, other))
     return f"These logs do not show whether {first} or {second} is the cause: both explain as much."
+
+
+def _unnamed_torque(before: Prepared, fitted: Fit, now: Prepared) -> tuple[Array, ...]:
+    """Torque of the unnamed terms of a fit at the samples that its logs still contain, (n, 1) each.
+
+    Torque that a saturated sensor does not measure acts only at samples that are left out.
+    """
+    pairs = zip(before.segments, now.segments, strict=True)
+    still = np.concatenate([new.kept[old.kept] for old, new in pairs])
+    return tuple(
+        fitted.term_torque(i)[still, None]
+        for i, term in enumerate(fitted.terms)
+        if isinstance(term, SmoothTerm) and not isinstance(term, MissingTerm)
+    )
 
 
 def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:

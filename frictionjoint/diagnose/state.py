@@ -60,8 +60,8 @@ class State:
             `OtherLaws.errors`. Effects found this way are no errors of the law; effects that
             another law could imitate are looked for afterwards.
         unnamed: torque of dependences without a name that were removed from the model, N m, shape
-            (n, 1) each. The score excludes these directions, because what is known to be missing is
-            no evidence against the effects that are named.
+            (n, 1) each, at the samples of the logs. The score excludes these directions, because
+            what is known to be missing is no evidence against the effects that are named.
     """
 
     prepared: Prepared
@@ -108,10 +108,8 @@ class State:
         return self._apart_from(model.blocks, *errors)
 
     def _apart_from(self, blocks: Blocks, *errors: Array) -> Blocks:
-        """The blocks with some directions of errors, and with `unnamed` where it belongs to the
-        samples of the present logs."""
-        n = len(self.fit.residual)
-        directions = (*errors, *(x for x in self.unnamed if len(x) == n))
+        """The blocks with some directions of errors, and with `unnamed`."""
+        directions = (*errors, *self.unnamed)
         return replace(blocks, law_errors=np.hstack(directions)) if directions else blocks
 
     @property

@@ -56,6 +56,7 @@ class Report:
     `recordings` states how each number varies between recordings, if there are three or more.
     `smallest`: the smallest further effects that the logs would have shown, see `sight.Smallest`.
     `law_errors`: rms in motion on fitted logs of each law with the same effects.
+    `unexplained_causes`: of some unexplained dependences the likely cause, in a sentence.
 
     For a joint of a robot, `base` and the errors before are those of the law alone with the user's
     model; `other_before` says whether `curves` and `positions` before are of another model, the one
@@ -99,6 +100,7 @@ class Report:
     recordings: tuple[dict[str, Any], ...] = field(default=(), repr=False)
     smallest: tuple[Any, ...] = field(default=(), repr=False)
     law_errors: Mapping[str, float] = field(default_factory=dict, repr=False)
+    unexplained_causes: Mapping[str, str] = field(default_factory=dict)
     other_before: bool = False
     increase: Mapping[str, Interval] = field(default_factory=dict, repr=False)
     torsion: Torsion | None = field(default=None, repr=False)
@@ -240,6 +242,7 @@ class Report:
             "refined": self._refined() if self.refined else None,
             "posterior": self.posterior,
             "recordings": self.recordings,
+            "unexplained_causes": self.unexplained_causes,
             "model": toml_document(carried.parameters, carried.effects).unwrap()
             if carried
             else None,

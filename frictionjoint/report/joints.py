@@ -51,6 +51,7 @@ _JOINT = {
     "law_errors?": dict[str, float],
     "noise_floor?": float | None,
     "unexplained": [{"variable": str, "share": float}],
+    "unexplained_causes?": dict[str, str],
     "proposals?": list[str],
     "notes?": list[str],
 }

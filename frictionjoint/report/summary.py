@@ -41,6 +41,8 @@ class Summary:
         changed: whether the result differs from the base fit. friction: the main friction numbers.
         parameters: those in model.xml. steps: candidates of each step of the search.
         threshold: when an effect is normally added, in a sentence.
+        unexplained: quantities that the residual depends on, with the fraction of its square that
+            they explain. causes: likely ones of these, in a sentence.
         smallest: each further effect, and the smallest torque that these logs would have shown.
         law_errors: rms error in motion on fitted logs with each friction law.
         logs: as in report.json, with their errors of the drive, `before` and `after`.
@@ -77,6 +79,7 @@ class Summary:
         self.parameters = carried(content)
         self.law_errors: dict[str, float] = dict(content.get("law_errors", {}))
         self.unexplained = tuple((x["variable"], x["share"]) for x in content["unexplained"])
+        self.causes: dict[str, str] = dict(content.get("unexplained_causes", {}))
         self.notes = without_repetition(content.get("notes", ()))
         self.record_next = tuple(dict.fromkeys(content.get("proposals", ())))
         self.logs = _logs(content)
@@ -126,15 +129,14 @@ def _missing(s: Summary) -> str:
         times = f" What remains is {three(error / noise, 2)} times the noise of the instruments."
     elif s.verdict == "partly-explained" and s.effects:
         times = " The remaining error is not noise: it keeps its sign for longer than noise does."
-    rest = ""
-    if s.unexplained:
-        parts = [f"{quantity(v)} ({share:.0%})" for v, share in s.unexplained]
-        rest = f" The residual still depends on {listed(parts)}, which no known effect explains."
+    rest = _dependences(s)
     if s.verdict == "too-short-to-tell":
         return "these logs are too short for a verdict."
     if not s.effects:
         if s.unexplained:
-            return "something that is no known effect." + rest
+            known = all(v in s.causes for v, _ in s.unexplained)
+            what = "no effect of the joint" if known else "something that is no known effect"
+            return f"{what}.{rest}"
         if s.suspected:
             best = s.suspected[0]
             small = best.gain < SMALLEST_GAIN
@@ -182,8 +184,32 @@ def _missing(s: Summary) -> str:
         text += "; on held-out logs the error falls by no more than chance explains"
     if sure and s.change("position") == "rises":
         text += "; the simulated position, however, gets worse"
-    partly = s.verdict == "partly-explained" or rest
-    return text + "." + (rest or (times if partly else ""))
+    if rest:
+        return f"{text}.{_explained(s) or rest}"
+    return text + "." + (times if s.verdict == "partly-explained" else "")
+
+
+def _explained(s: Summary) -> str:
+    """What the result removes of the squared error, and what the rest depends on; empty if the
+    error does not fall."""
+    name = s.drive.split(" ", 1)[1]
+    pair = [s.error(name, stage) for stage in STAGES]
+    first, last = (e.values[s.role] if e else None for e in pair)
+    if not first or last is None or last >= first:
+        return ""
+    removed = f" The resulting model removes {1.0 - (last / first) ** 2:.0%} of the squared error."
+    return removed + _dependences(s, "What remains")
+
+
+def _dependences(s: Summary, residual: str = "The residual") -> str:
+    """Quantities that the residual still depends on, with their causes; empty for none."""
+    parts = [f"{quantity(v)} ({x:.0%})" for v, x in s.unexplained if v not in s.causes]
+    texts = [f"{residual} still depends on {listed(parts)}, which no known effect explains."]
+    texts = texts if parts else []
+    for v, share in s.unexplained:
+        if v in s.causes:
+            texts.append(f"{s.causes[v].rstrip('.')} ({share:.0%} of the squared residual).")
+    return "".join(f" {text}" for text in texts)
 
 
 def _falls(s: Summary) -> bool:

@@ -92,4 +92,6 @@ def _plain(text: str) -> str:
 def quantity(variable: str) -> str:
     """A measured quantity in the words of a report."""
     joint, dot, name = variable.rpartition(".")
-    return f"{name} of {joint!r}" if dot else variable.removesuffix("_c")
+    if dot:
+        return f"{name} of {joint!r}"
+    return "the recording" if variable == "log" else variable.removesuffix("_c")

@@ -1,0 +1,31 @@
+"""Directions of dependences without a name that a score leaves out."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from frictionjoint.diagnose.outcome import _unnamed_torque
+from frictionjoint.identify.instruments import MissingTerm
+from frictionjoint.identify.search import refit
+from frictionjoint.identify.smooth import SplineTerm
+from frictionjoint.identify.starts import fit
+from tests.three_sines import INERTIA, A, Q, T, V, logged
+
+
+def test_they_are_those_of_the_samples_that_are_left(tmp_path):
+    """Without samples at a sensor's limit a direction had another length, and was forgotten."""
+    friction = np.sign(V) * np.minimum(np.abs(V) / 0.02, 1.0)
+    torque = INERTIA * A + friction + 0.3 * Q**3
+    torque += 0.05 * np.random.default_rng(2).standard_normal(len(T))
+    before = logged(tmp_path, torque)
+    limit = np.where(np.abs(before.segments[0].drive) > 1.5, 1.0, 0.0)
+    before = replace(before, segments=(replace(before.segments[0], saturated=limit),))
+    terms = SplineTerm("position", -1.7, 1.7), MissingTerm("torque")
+    found = refit(before, terms, fit(before).shape)
+    now = before.without_limits()
+    assert 0 < now.samples < before.samples
+    (whole,) = _unnamed_torque(before, found, before)
+    (left,) = _unnamed_torque(before, found, now)
+    assert left.shape == (now.samples, 1)
+    still = now.segments[0].kept[before.segments[0].kept]
+    np.testing.assert_array_equal(left, whole[still])
