@@ -54,6 +54,13 @@ def test_the_density_of_white_noise_is_read_above_the_motion(noise):
     assert found == pytest.approx(2.0 * noise**2 * DT, rel=0.05)
 
 
+def test_single_wrong_readings_are_no_noise():
+    clean = log(noise=0.01).torque
+    spiked = clean.copy()
+    spiked[np.random.default_rng(4).integers(100, N - 100, 20)] += 10.0 * np.ptp(clean)
+    assert density_above(spiked, DT) == pytest.approx(density_above(clean, DT), rel=0.02)
+
+
 @pytest.mark.parametrize("counts", [4096, 65536])
 def test_the_count_of_an_encoder_is_the_least_step(counts):
     assert count_of(log(counts).position) == pytest.approx(2.0 * np.pi / counts, rel=1e-6)

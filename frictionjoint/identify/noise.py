@@ -19,6 +19,7 @@ from scipy.special import gammaincinv
 from frictionjoint.arrays import Array
 from frictionjoint.measured.derivatives import SAME_POSITION
 from frictionjoint.measured.lowpass import gentle, steep
+from frictionjoint.measured.repairs import interpolated, lone_readings
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,8 @@ def density_above(x: Array, dt: float) -> float:
     # pieces of 1024 samples with a Hann window that overlap by half; the squared correlation of the
     # spectra of two is 1/36 (Welch 1967)
     window = min(len(x), 1024)
+    # a single wrong reading has all frequencies, and is no noise
+    x = interpolated(x, lone_readings(x))
     f, power = welch(x, 1.0 / dt, nperseg=window, detrend="linear")
     # these frequencies are taken to hold noise alone
     above = (f >= 0.25 / dt) & (f <= 0.45 / dt)

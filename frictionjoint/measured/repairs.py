@@ -72,14 +72,20 @@ def without_lone_readings(columns: Mapping[str, Array]) -> tuple[dict[str, Array
     """
     found, notes = dict(columns), []
     for name, x in columns.items():
-        if name.rpartition(".")[2] in _CANNOT_LEAP and len(lone := _lone(x)):
-            found[name] = x.copy()
-            found[name][lone] = 0.5 * (x[lone - 1] + x[lone + 1])
+        if name.rpartition(".")[2] in _CANNOT_LEAP and len(lone := lone_readings(x)):
+            found[name] = interpolated(x, lone)
             notes.append(f"{_outliers(name, x, lone)}: interpolated.")
     return found, tuple(notes)
 
 
-def _lone(x: Array) -> NDArray[np.intp]:
+def interpolated(x: Array, lone: NDArray[np.intp]) -> Array:
+    """A signal with the mean of both neighbours in place of single readings."""
+    found = x.copy()
+    found[lone] = 0.5 * (x[lone - 1] + x[lone + 1])
+    return found
+
+
+def lone_readings(x: Array) -> NDArray[np.intp]:
     """Indices of single readings far from both neighbours, which agree."""
     if len(x) < 3:
         return np.zeros(0, dtype=np.intp)
@@ -129,7 +135,7 @@ def drive_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
     for name, x in columns.items():
         if name not in MEASURED_DRIVES:
             continue
-        if len(lone := _lone(x)):
+        if len(lone := lone_readings(x)):
             notes.append(
                 f"{_outliers(name, x, lone)}: if they are wrong readings, leave these rows out."
             )
