@@ -22,7 +22,7 @@ def read_parameters(path: Path) -> JointFriction:
     Raises:
         ParameterError: the file is missing, is no TOML, or contains an unknown entry.
     """
-    content = read_toml(path)
+    content = read_toml(path, "; give a parameter file, as identify writes it")
     try:
         return joint_friction(content)
     except ParameterError as error:

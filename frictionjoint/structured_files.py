@@ -26,7 +26,7 @@ def read_toml(path: Path, fix: str = "") -> dict[str, Any]:
     except UnicodeDecodeError:
         raise ParameterError(f"{path}: not text in UTF-8, save it as UTF-8") from None
     except tomllib.TOMLDecodeError as error:
-        raise ParameterError(f"{path}: not TOML: {error}") from None
+        raise ParameterError(f"{path}: not TOML: {error}{fix}") from None
 
 
 def read_json(path: Path, fix: str) -> Any:

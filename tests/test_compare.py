@@ -1,6 +1,7 @@
 """``frictionjoint compare``: a law's known figures come out, as table, JSON and picture."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.export.motion import stated_motion
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
-from frictionjoint.report.compare import compared, draw
+from frictionjoint.report.compare import compared, draw, report_figures
 from frictionjoint.report.joints import read_joints
 from frictionjoint.rivals import StaticParameters
 
@@ -25,7 +26,11 @@ def test_figures_are_those_of_the_law():
     a, b = compared({"a": JointFriction(A), "b": JointFriction(B)})
     assert a.figures["breakaway torque, N m"] == pytest.approx(1.5, rel=1e-3)
     assert b.figures["breakaway torque, N m"] == pytest.approx(1.2, rel=1e-3)
-    assert a.figures["stiffness at rest, N m/rad"] == pytest.approx(A.stiffness, rel=1e-3)
+    # not that of the steep beginning, which a fit assumes
+    steep = replace(A, knots=((1e-9, 0.01), *KNOTS))
+    for parameters, own in ((A, a), (steep, compared({"c": JointFriction(steep)})[0])):
+        found = own.figures["presliding stiffness, N m/rad"]
+        assert found == parameters.stiffness == pytest.approx(A.stiffness, rel=0.01)
     # both are driven to the larger of the two speeds: 10 Vs of a, where only sigma2 is left of it
     speed, torque = a.curves[0]
     assert speed[-1] == 0.5
@@ -87,6 +92,11 @@ def test_effects_are_named():
     )
     (a,) = compared({"a": JointFriction(A, (effect,))})
     assert a.figures["effects, not drawn"] == CATALOGUE[0].title
+
+
+def test_a_dependence_without_a_name_is_not_called_nothing():
+    content = good(added=[], unexplained=[{"variable": "log", "share": 0.5}])
+    assert report_figures(content)["missing"] == "dependence on the recording"
 
 
 def test_a_law_that_creeps_leaves_the_loops_of_others_as_they_are():

@@ -70,7 +70,11 @@ Join = Annotated[
 ]
 Gain = Annotated[
     float | None,
-    option("NUMBER", "Motor constant, N m per A or per V. Default: estimated from the load."),
+    option(
+        "NUMBER",
+        "Motor constant, N m per A or per V. Default: estimated from the load; where nothing is "
+        "fitted, that of the model.",
+    ),
 ]
 Fixed = Annotated[
     list[str] | None,

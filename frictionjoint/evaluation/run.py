@@ -274,8 +274,8 @@ def _of_joint(
     else:
         notes[
             f"{joint}: the drive in the logs is next to nothing, {size:.3g} {unit} rms, and "
-            f"the model needs {torque:.3g} {unit} more: was it off, or in another unit? No "
-            "percentage is stated."
+            f"the model needs {torque:.3g} {unit} more: was it off, or is a column, of the drive "
+            "or of the position, in another unit? No percentage is stated."
         ] = None
     replayed = _replay_rms(curves)
     if replayed is not None and replayed > max(float(np.ptp(c.position)) for c in curves):

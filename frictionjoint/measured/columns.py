@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured.units import is_foreign, quantity_of
 
 HINGE = ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
 SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
@@ -28,7 +29,7 @@ _OURS = ("time_s", *KNOWN, *_FIGURES)
 # how the columns of others are called, by what is missing
 _LIKELY = {
     "time_s": re.compile(r"^(time|t|stamp|seconds?|millis|sec|ms)\b|time", re.I),
-    "position_rad": re.compile(r"^q\d*$|\bpos(ition)?\b|_pos(ition)?\b|angle|theta", re.I),
+    "position_rad": re.compile(r"^q\d*$|(\b|_)pos(ition)?(_|\b)|angle|theta", re.I),
     "torque_nm": re.compile(r"^tau|torque|effort", re.I),
     "force_n": re.compile(r"force", re.I),
 }
@@ -202,6 +203,9 @@ def _fix(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
             parts.append(
                 f"--column {own}={name}" if " " not in name else f"--column '{own}={name}'"
             )
+            unit = name.rpartition("_")[2]
+            if is_foreign(wanted, unit):
+                parts.append(f"--unit {quantity_of(wanted)}={unit}")
     return f"name the columns with {' '.join(parts)}"
 
 

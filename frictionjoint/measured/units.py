@@ -139,6 +139,11 @@ def is_si(name: str, text: str) -> bool:
     return not names or plain == "" or (table.get(plain) == 1.0 and plain not in _ZERO)
 
 
+def is_foreign(name: str, text: str) -> bool:
+    """Whether a text names a unit of one of our columns that is not its SI unit."""
+    return _COLUMNS[name][1].get(_plain(text), 1.0) != 1.0
+
+
 _SPELLINGS = frozenset(unit for _, table in _COLUMNS.values() for unit in (*table, _COUNTS))
 
 

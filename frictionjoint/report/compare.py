@@ -20,6 +20,7 @@ from frictionjoint.parameters import Friction
 from frictionjoint.report.charts import LAW_COLOURS, Chart, Series, sliding
 from frictionjoint.report.html import fill
 from frictionjoint.report.summary import Summary
+from frictionjoint.report.wording import quantity
 
 KINDS = (".html", ".png", ".svg")
 # Panels: what is drawn, with its axes.
@@ -63,10 +64,13 @@ def compared(read: Mapping[str, JointFriction]) -> list[Compared]:
 def report_figures(content: Mapping[str, Any]) -> dict[str, float | str]:
     """Verdict, errors and friction numbers of a report, as text by name."""
     s = Summary(content)
+    missing = [x.title for x in s.effects] + [
+        f"dependence on {quantity(name)}" for name, _ in s.unexplained
+    ]
     found: dict[str, float | str] = {
         "joint": s.joint,
         "verdict": s.verdict.replace("-", " "),
-        "missing": ", ".join(x.title for x in s.effects) or "nothing found",
+        "missing": ", ".join(missing) or "nothing found",
     }
     where = "held-out" if s.role == "held_out" else "fitted"
     for e in s.errors:
@@ -95,7 +99,7 @@ def _one(
         figures |= {
             "breakaway torque, N m": float(F.max()),
             "breakaway displacement, rad": length,
-            "stiffness at rest, N m/rad": float(F[1] / _PULLED[1]),
+            "presliding stiffness, N m/rad": joint.parameters.stiffness,
             # of the last whole loop
             "work of one presliding loop, J": float(np.trapezoid(loop[-401:], q[-401:])),
         }
