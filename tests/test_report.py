@@ -12,6 +12,7 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.report import wording
 from frictionjoint.report.folder import made
 from frictionjoint.report.joint_report import Rms
+from frictionjoint.report.numbers import status_of
 from frictionjoint.report.page import render
 
 COMMAND = "frictionjoint close-loop 'my log.csv' --out out"
@@ -198,6 +199,10 @@ def test_advice_names_what_these_logs_leave_open():
     assert "--held-out" in held
     sure = {"Fs_pos": Estimate(1.0, 0.01, "N m")}
     assert what_to_record([], [], {}, sure, True, {}) == ()
+    none = {n: Estimate(1e-12, e, "N m") for n, e in (("Fc_pos", 0.1), ("Fs_pos", None))}
+    (slow,) = what_to_record([], [], {}, none, True, {})
+    assert slow.startswith("To determine Coulomb friction: constant velocities from very slow")
+    assert status_of("Fs_pos", none) == "not determined"
     (of_log,) = what_to_record([], [], {"log": ""}, sure, True, {})
     assert of_log.startswith("To find what depends on the recording: the same motion in every log")
     asked = {"wrist.velocity": "", "oil": "", "position": "The encoder is off its centre."}

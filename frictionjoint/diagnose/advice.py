@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.effect import Effect
-from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.result import Estimate, is_without_level
 from frictionjoint.parameter_meanings import meanings
 from frictionjoint.report.wording import quantity
 
@@ -78,6 +78,8 @@ def what_to_record(
 
 def loose_parameters(law: Mapping[str, Estimate]) -> list[tuple[str, tuple[str, ...]]]:
     """Parameters of the law that the logs barely determine, grouped by the motion that would."""
+    if is_without_level(law):
+        return [(_BREAKAWAY, ("Fc_pos",))]
     found = []
     for motion, names in _DETERMINED_BY.items():
         loose = tuple(name for name in names if name in law and law[name].is_loose)

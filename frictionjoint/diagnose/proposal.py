@@ -33,7 +33,12 @@ from frictionjoint.diagnose.separation import (
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
+from frictionjoint.identify.result import (
+    Estimate,
+    is_without_level,
+    law_estimates,
+    law_parameters,
+)
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.sensitivity import driven, sensitivities
@@ -258,7 +263,8 @@ def computed_proposals(
         pair = planner.fitted.terms[i].name, other.name
         if pair not in found:  # the first of several terms of one name is the nearest
             found[pair] = to_distinguish(planner, i, other) or ""
-    for _, names in loose_parameters(law):
+    # of a friction that the fit does not contain nothing can be computed
+    for _, names in [] if is_without_level(law) else loose_parameters(law):
         found[names] = to_sharpen(planner, cov, names, law)
     return {names: text for names, text in found.items() if text}
 

@@ -105,6 +105,6 @@ def smallest(
     for c, at in zip(candidates, found.candidates, strict=True):
         weighted = np.linalg.norm(c.columns * fitted.weight[:, None], axis=0)
         seen = weighted * np.linalg.norm(found.tested[:, at[~found.begun[at]]], axis=0)
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             sizes.append(torque * float(np.max(np.linalg.norm(c.columns, axis=0) / seen)))
     return sizes

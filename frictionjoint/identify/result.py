@@ -1,5 +1,6 @@
 """A fit for the user: named parameters with standard errors and units."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +39,12 @@ class Estimate:
     def to_dict(self) -> dict[str, float | str | None]:
         """As in report.json."""
         return {"value": self.value, "stderr": self.stderr, "unit": self.unit}
+
+
+def is_without_level(law: Mapping[str, Estimate]) -> bool:
+    """Whether a law has no Coulomb friction, so that breakaway and stiffness mean nothing."""
+    # a law needs one above zero; less than this is none in any unit of a joint
+    return "Fc_pos" in law and law["Fc_pos"].value < 1e-9
 
 
 def units_of(fitted: Fit, slide: bool) -> tuple[str, str]:

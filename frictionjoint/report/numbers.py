@@ -10,7 +10,7 @@ from typing import Literal
 
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS, title
 from frictionjoint.effects.quantities import quantity_of
-from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.result import Estimate, is_without_level
 from frictionjoint.parameter_meanings import by_direction, meaning
 from frictionjoint.report import wording
 from frictionjoint.report.content import Content
@@ -97,7 +97,7 @@ def status_of(name: str, law: Mapping[str, Estimate]) -> Status:
     x, (symbol, _, side) = law[name], name.partition("_")
     if x.stderr is None or not math.isfinite(x.stderr):
         if symbol in ("stiffness", "sigma1", "Fs"):
-            return "assumed"
+            return "not determined" if is_without_level(law) else "assumed"
         return "not determined" if symbol in ("Vs", "delta") else "fixed"
     stribeck = f"Vs_{side}" if side else "Vs"
     if symbol == "Fs" and stribeck in law and status_of(stribeck, law) == "not determined":
