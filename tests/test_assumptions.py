@@ -24,7 +24,7 @@ from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.notes import assumed_note
 from frictionjoint.identify.prepare import prepare
-from frictionjoint.identify.result import law_estimates, law_parameters
+from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.terms import EffectTerm
@@ -115,6 +115,9 @@ def test_a_parameter_file_says_what_is_assumed():
     text = found.to_toml()
     assert "# The presliding stiffness is assumed: these logs do not determine it." in text
     assert joint_friction(tomllib.loads(text)).parameters == found.parameters
+    unsure = found.estimates | {"Fc_pos": Estimate(0.08, 0.06, "N m")}
+    text = replace(found, estimates=unsure).to_toml()
+    assert "# Standard errors of more than half of the value: Fc_pos" in text
 
 
 def test_friction_that_would_vanish_with_the_load_gets_a_level():

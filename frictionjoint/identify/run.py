@@ -67,9 +67,13 @@ class Identified:
 
     def to_toml(self) -> str:
         """Text of the parameter file that `frictionjoint identify` writes, notes as comments."""
+        loose = [n for n, x in self.estimates.items() if x.stderr is not None and x.is_loose]
+        notes = list(self.notes)
+        if loose:
+            notes.append(f"Standard errors of more than half of the value: {', '.join(loose)}.")
         if self.scaled:
-            return toml_text(self.parameters, notes=self.notes)
-        return toml_text_without_scale(self.parameters, self.unit, self.notes)
+            return toml_text(self.parameters, notes=notes)
+        return toml_text_without_scale(self.parameters, self.unit, notes)
 
     def to_dict(self) -> dict[str, Any]:
         """As `frictionjoint identify --json` prints it."""
