@@ -100,10 +100,6 @@ def test_piped_output_is_plain_and_wide(tmp_path):
         (["identify", LOG, "--model", "none.xml", "--out", "a.toml"], "none.xml: no hinge or"),
         (["identify", LOG, "--model", "unnamed.xml", "--out", "a.toml"], "joint has no name: name"),
         (
-            ["close-loop", LOG, "--model", "none.xml", "--out", "out"],
-            "none.xml: no hinge or slide joint in the model",
-        ),
-        (
             ["compare", "none.xml"],
             "none.xml: not TOML: Invalid statement (at line 1, column 1); give",
         ),

@@ -125,6 +125,15 @@ def test_a_recording_says_what_changed() -> None:
     assert 0.0 < value(after, "Fc")[1] < 0.01
 
 
+def test_a_number_that_the_report_assumes_has_not_changed() -> None:
+    log = [recording(2, Fc=0.36, sigma2=0.10)]
+    states = {x.number: x.state for x in drift(known(), log)}
+    assert states["Fc"] == "changed"
+    assumed = replace(known(), undetermined=frozenset({"Fc_pos", "Fc_neg"}))
+    states = {x.number: x.state for x in drift(assumed, log)}
+    assert (states["Fc"], states["sigma2"]) == ("not resolvable", "changed")
+
+
 def test_where_an_effect_is_zero_is_a_choice_and_is_not_compared() -> None:
     """Freed, a reference temperature takes the place of the friction level."""
     table = {"effect": "temperature-dependent", "form": 27, "T0": 30.0, "scale": 20.0}

@@ -26,7 +26,7 @@ from frictionjoint.cli.logs import (
 from frictionjoint.cli.output import Force, Json, Open, open_page, print_json, require_writable
 from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.cli.terminal import console, progress, show_report, show_table
-from frictionjoint.errors import NO_JOINT, LogError, ModelError
+from frictionjoint.errors import LogError, ModelError
 from frictionjoint.law.names import LAWS
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
@@ -114,11 +114,8 @@ def close_loop(
     if units and (paths.logs or paths.kept):
         raise LogError("--robot: give every log as NAME=LOG, and a fraction to --held-out")
     names = joint or []
-    if not names:
-        every = joints_of(model)
-        if not every:
-            raise ModelError(f"{paths_of(model)[0]}: {NO_JOINT}")
-        names = every if len(every) == 1 else []
+    if not names and len(only := joints_of(model)) == 1:
+        names = only
     alone = names[0] if len(names) == 1 and not units else None
     mjcf = models_of(model)
     if not alone and isinstance(mjcf, dict):

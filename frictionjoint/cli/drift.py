@@ -30,8 +30,8 @@ def drift(
 
     Exit code 1 if a number has changed by more than all errors explain, for maintenance scripts.
     Less than 5% is within the error of any law. *Not resolvable* (–): the new logs would not
-    show a change by half of the number. Logs of target and position are compared by the controller
-    of the report, or by --controller.
+    show a change by half of the number, or the report assumes it. Logs of target and position are
+    compared by the controller of the report, or by --controller.
 
     Example: `frictionjoint drift report today.csv`
     """

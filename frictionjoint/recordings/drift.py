@@ -2,8 +2,8 @@
 
 The change of each friction parameter is compared with the errors of the report and of the new logs,
 and with the usual difference between recordings. The parameter is *confirmed*, *changed*, or *not
-resolvable*: the new logs could not detect a change by half of its value, or their value is
-impossible, so that it has another cause. Less than 5% is no change.
+resolvable*: the new logs could not detect a change by half of its value, their value is impossible,
+so that it has another cause, or the report assumes it. Less than 5% is no change.
 """
 
 from collections.abc import Sequence
@@ -20,8 +20,9 @@ from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
 from frictionjoint.recordings.estimate import Estimates, Known
-from frictionjoint.refine.posterior import Posterior
+from frictionjoint.refine.posterior import Posterior, entries
 from frictionjoint.report.joints import read_joint
+from frictionjoint.report.numbers import result_estimates
 
 State = Literal["confirmed", "changed", "not resolvable"]
 
@@ -52,7 +53,12 @@ def known_of(report: Path, joint: str | None = None) -> Known:
     posterior = Posterior.from_dict(own["posterior"])
     content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
     bandwidth_hz = float(own.get("bandwidth_hz", np.inf))
-    return Known(model, name, content, cov, constraint=constraint, bandwidth_hz=bandwidth_hz)
+    return Known(
+        *(model, name, content, cov),
+        constraint=constraint,
+        bandwidth_hz=bandwidth_hz,
+        undetermined=frozenset(n for n, x in result_estimates(own).items() if x.stderr is None),
+    )
 
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
@@ -62,7 +68,7 @@ def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
 
 def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
     """The same for the estimates of new logs."""
-    rows = []
+    rows, keys = [], [entry.key for entry in entries(known.content)]
     for i, (number, before, error) in enumerate(
         zip(known.numbers, known.values, known.stderr, strict=True)
     ):
@@ -71,6 +77,7 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
         informed = max(x.informed[i] for x in found)
         # a change by half must show, and three quarters of the information come from the new logs
         blind = 2.0 * sd > 0.5 * abs(before) or informed < 0.75
+        blind |= number.of_law and keys[number.indices[0]] in known.undetermined
         if number.of_law:  # none can be negative; one that has vanished may seem so by its error
             blind, now = blind or now < -2.0 * sd, max(0.0, now)
         # Satterthwaite: the report's error is known, that of the logs is estimated

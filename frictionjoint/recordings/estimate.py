@@ -67,6 +67,7 @@ class Known:
         constraint: how it acts in the logs it was fitted to, if they show MuJoCo's `frictionloss`.
         bandwidth_hz: corner of the filter of the balance that it was fitted with; infinite: that of
             the motion.
+        undetermined: names of the law's parameters whose values are assumed.
     """
 
     model: str | Path
@@ -76,6 +77,7 @@ class Known:
     fixed: Mapping[str, Pose] | None = None
     constraint: Constraint | None = None
     bandwidth_hz: float = np.inf
+    undetermined: frozenset[str] = frozenset()
 
     @property
     def numbers(self) -> list[Number]:
