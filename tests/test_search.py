@@ -122,6 +122,7 @@ def named_by_its_quantity(folder, effect, quantity, said):
     assert [variable for variable, _ in found.unexplained] == [quantity]
     (hint,) = found.hints
     assert said in hint
+    assert found.causes == {quantity: hint}
     return found
 
 
