@@ -10,12 +10,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares, minimize_scalar
+from scipy.optimize import least_squares
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import MOTOR, Q
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
-from frictionjoint.identify.elastic_share import RESOLUTION, implied_share
+from frictionjoint.identify.elastic_share import RESOLUTION, SHARES, implied_share
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
@@ -34,6 +34,8 @@ CLOSE, ROUGH = 1e-6, 1e-3
 _HARDLY = 1e-9
 # highest resonance that still shows in the band of the balance, over its corner
 HEARD = 2.0
+# fits until a spring carries the share of the inertia that it implies, and least slope of a secant
+_MOST_SHARES, _LEAST_SLOPE = 4, 0.2
 # waves in the usual range of positions, or the longest log: fewer are nearly any curve. A fit may
 # move a wave by half of one, which is the width of a line of the spectrum.
 FEWEST_WAVES, HALF_A_WAVE = 1.5, 0.5
@@ -60,37 +62,35 @@ def refit(
 
 
 def with_parts(prepared: Prepared, found: Fit, steps: int, closeness: float) -> Fit:
-    """A fit, with the share of the inertia behind each spring that leaves the smallest residual."""
-    for i in range(len(found.terms)):
-        share = implied_share(prepared, found, i)
-        if share is not None:
-            found = _with_best_part(prepared, found, i, share, steps, closeness)
+    """A fit in which each spring carries the share of the inertia that its coefficient implies."""
+    for i, term in enumerate(found.terms):
+        if isinstance(term, EffectTerm) and term.effect.of_inertia:
+            found = _with_implied_part(prepared, found, i, steps, closeness)
     return found
 
 
-def _with_best_part(
-    prepared: Prepared, found: Fit, i: int, share: float, steps: int, closeness: float
-) -> Fit:
-    """The fit with the best share of the inertia behind the spring of term i.
+def _with_implied_part(prepared: Prepared, found: Fit, i: int, steps: int, closeness: float) -> Fit:
+    """The fit with the implied share of the inertia behind the spring of term i, by secants.
 
-    It is sought around the share that the fit implies. Fit and implied share in turn would not
-    converge: with a share that is too small, the fitted inertia is too small as well.
+    With a share that is too small the fitted inertia is too small as well, so fit and implied share
+    in turn would approach it slowly.
     """
-    fits = [found]
-
-    def left(log_share: float) -> float:
-        near = best_of(fits, lambda f: f.drive_rms)
-        term = near.terms[i]
+    slope, before = -1.0, None
+    for _ in range(_MOST_SHARES):
+        term = found.terms[i]
         assert isinstance(term, EffectTerm)
-        terms = in_place(near.terms, i, replace(term, part=math.exp(log_share)))
-        search = Search(prepared, terms, near.shape)
-        fits.append(search.result(search.run(search.start, steps, closeness).x))
-        return fits[-1].drive_rms
-
-    middle, reach = math.log(share), math.log(2.0)
-    bounds = middle - reach, min(middle + reach, 0.0)
-    minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": RESOLUTION})
-    return best_of(fits, lambda f: f.drive_rms)
+        now = math.log(term.part)
+        apart = math.log(implied_share(prepared, found, i)) - now
+        if abs(apart) <= RESOLUTION:
+            break
+        if before is not None:
+            slope = min((apart - before[1]) / (now - before[0]), -_LEAST_SLOPE)
+        before = now, apart
+        part = float(np.clip(math.exp(now - apart / slope), *SHARES))
+        terms = in_place(found.terms, i, replace(term, part=part))
+        search = Search(prepared, terms, found.shape)
+        found = search.result(search.run(search.start, steps, closeness).x)
+    return found
 
 
 def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -> Shape:
