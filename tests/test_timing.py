@@ -11,8 +11,7 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import start_of
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.terms import age_of
-from frictionjoint.identify.timing import TargetTiming
+from frictionjoint.identify.timing import TargetTiming, age_of
 from frictionjoint.measured.log import JointLog
 from frictionjoint.rivals import StaticParameters
 

@@ -12,7 +12,6 @@ from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
-from frictionjoint.identify.rival_shape import RivalShape
 from frictionjoint.identify.search import ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import IntegratedShape
@@ -110,7 +109,6 @@ def with_assumed_breakaway(prepared: Prepared, fitted: Fit) -> Fit:
     # with a gain that the logs do not show the level may be none in N m
     if law["Fc_pos"].value <= 0.0 or not any(x.is_loose for x in levels):
         return fitted
-    assert isinstance(shape, IntegratedShape | RivalShape | ConstraintShape)
     most = max(x.value for x in levels) / law["Fc_pos"].value - 1.0
     found, refused = fitted, []
     for excess in (*(x for x in (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0) if x < most), most):

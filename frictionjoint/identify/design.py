@@ -24,14 +24,12 @@ from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import (
     DriveTerm,
     Term,
-    age_of,
     changing_drive,
     delay_of,
     drive_changes,
     in_place,
-    torque_of,
 )
-from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge
+from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge, age_of
 from frictionjoint.threads import side_by_side, threads_here
 
 # step of such a number over that: the kernels of effects carry no tangents of their own, and a gap
@@ -213,7 +211,7 @@ class Balance:
                 own = beta[self.layout.coefficients(k)]
                 logs = list(zip(part.logs, along, strict=True))
                 above, below = (
-                    np.concatenate([torque_of(end, s, signals, own) for s, signals in logs])
+                    np.concatenate([end.torque(s, signals, own) for s, signals in logs])
                     for end in ends
                 )
                 found.append(part.kept((above - below)[None] / (2.0 * h))[:, 0])
@@ -245,13 +243,13 @@ class Balance:
             logs = zip(part.logs, part.places, self._signals(term, law, part), strict=True)
             for s, own, signals in logs:
                 level = signals[:, H].copy()
-                here = torque_of(term, s, signals, weights)
+                here = term.torque(s, signals, weights)
                 for j, tangent in enumerate(dH[:, own]):
                     # these columns are linear in H, but for a bound on it; a tangent of next to
                     # nothing needs no step without end
                     h = 1e-4 / max(float(np.abs(tangent).max()), 1e-4)
                     signals[:, H] = level + h * tangent
-                    torque[j, own] += (torque_of(term, s, signals, weights) - here) / h
+                    torque[j, own] += (term.torque(s, signals, weights) - here) / h
         return found + part.kept(torque)
 
     def _unit_moves(self, law: Shape, part: Bundle) -> Array:

@@ -6,7 +6,6 @@ because the log is wrong and not the model.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -28,11 +27,11 @@ class ExcessTerm(TunedTerm):
     """
 
     # a saturated drive delivers nothing of the torque beyond its level
-    coefficients: ClassVar[tuple[str, ...]] = ("fraction",)
+    coefficients = ("fraction",)
     bounds = ((1.0 - _ABOUT, 1.0 + _ABOUT),)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient, shape (n, 1)."""
+        """See `Term`."""
         torque = segment.drive[:, None]
         return np.asarray(torque - np.clip(torque, -self.at, self.at))
 
@@ -88,11 +87,11 @@ class MissingTerm(SmoothTerm):
     """Mean torque that a saturated sensor does not measure."""
 
     # the negative of the missing torque: the true one is never smaller than the logged one
-    coefficients: ClassVar[tuple[str, ...]] = ("missing",)
+    coefficients = ("missing",)
     bounds = ((-np.inf, 0.0),)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient, shape (n, 1)."""
+        """See `Term`."""
         where = segment.saturated
         return np.zeros((len(signals), 1)) if where is None else where[:, None]
 
@@ -122,10 +121,10 @@ class EncoderTerm(SmoothTerm):
     arms: tuple[float, float]
     viscosity: float
     # amplitudes of the two waves, rad
-    coefficients: ClassVar[tuple[str, ...]] = ("sin", "cos")
+    coefficients = ("sin", "cos")
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient, shape (n, 2)."""
+        """See `Term`."""
         N, v = self.order, signals[:, [V]]
         angle = N * signals[:, [Q]]
         wave = np.hstack([np.sin(angle), np.cos(angle)])

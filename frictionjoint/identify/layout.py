@@ -7,7 +7,6 @@ import numpy as np
 
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.terms import Term
 
 
@@ -89,7 +88,6 @@ def layout_of(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> Layout
 
 def term_bounds(prepared: Prepared, term: Term) -> list[tuple[float, float]]:
     """Range of each coefficient of a term, in units of the drive."""
-    bounds = term.bounds if isinstance(term, SmoothTerm) else term.effect.bounds
     unit = 1.0
     if term.effect.of_inertia:
         unit = float(np.median([s.noise.inertia for s in prepared.segments]))
@@ -97,5 +95,5 @@ def term_bounds(prepared: Prepared, term: Term) -> list[tuple[float, float]]:
     survives = not prepared.gain_unknown or unit != 1.0
     return [
         (lo * unit if lo == 0.0 or survives else -np.inf, hi * unit if survives else np.inf)
-        for lo, hi in bounds or ((-np.inf, np.inf),) * len(term.coefficients)
+        for lo, hi in term.bounds or ((-np.inf, np.inf),) * len(term.coefficients)
     ]

@@ -5,22 +5,20 @@ from typing import Any, Self
 
 import numpy as np
 
-from frictionjoint.arrays import Array, Index
+from frictionjoint.arrays import Array
 from frictionjoint.errors import ParameterError
 from frictionjoint.identify.law_start import LawStart
 from frictionjoint.identify.shape import (
     INTEGRATED,
     STIFFER,
+    KernelShape,
     Shape,
     length_bounds,
     level_bounds,
-    unit_block,
 )
 from frictionjoint.law import bristle, maxwell_slip
-from frictionjoint.law.motion import drive_motions
 from frictionjoint.law.names import LAWS
 from frictionjoint.law.stribeck import DELTA, FS, VS
-from frictionjoint.law.tangents.along import driven_with_tangents
 from frictionjoint.parameters import Friction, FrictionParameters
 from frictionjoint.rivals import RIVALS, MaxwellSlipParameters
 
@@ -52,7 +50,7 @@ _START = {
 
 
 @dataclass(frozen=True)
-class RivalShape(Shape):
+class RivalShape(KernelShape):
     """Search variables of another law: Fs / Fc - 1, Vs, delta, then its own.
 
     `length` is Fs (Dahl: Fc) over the stiffness, so that it has a similar meaning in every law.
@@ -149,19 +147,8 @@ class RivalShape(Shape):
         found: Friction = self.law.symmetric(**values)
         return found
 
-    def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
-        """H and rate along motions, by the kernel of the law, each of shape (n,)."""
-        H, rate = np.empty_like(q), np.empty_like(q)
-        drive_motions(unit_block(self), time, q, edges, H, rate)
-        return H, rate
-
-    def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
-        """`hysteresis` and its derivatives, by the tangent of the kernel."""
-        P = unit_block(self)
-        return driven_with_tangents(self.law.law, P, self._block_tangents(P), time, q, edges)
-
-    def _block_tangents(self, P: Array) -> Array:
-        """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
+    def block_tangents(self, P: Array) -> Array:
+        """See `KernelShape`."""
         P_t = np.zeros((len(self.numbers), len(P)))
         by = dict(zip(_VARIABLES[self.law.law], P_t, strict=True))
         if "excess" in by:

@@ -19,13 +19,13 @@ from frictionjoint.identify.elastic_share import RESOLUTION, SHARES, implied_sha
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
-from frictionjoint.identify.open_times import timed
 from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.swing import swings_of
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place
+from frictionjoint.identify.timing import timed
 from frictionjoint.threads import one_thread
 
 # relative change of the squares at which a search ends

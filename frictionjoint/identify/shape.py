@@ -5,9 +5,10 @@ Every law is homogeneous: scaling its levels and stiffnesses scales its torque. 
 searched. `Shape` is the interface that a search needs; here is that of the integrated law.
 """
 
+from abc import abstractmethod
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Protocol, Self, get_args
+from functools import cached_property
+from typing import Any, Protocol, Self, get_args
 
 import numpy as np
 
@@ -80,8 +81,11 @@ class Shape(Protocol):
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law with a Coulomb level, N m."""
 
+    def with_assumed_breakaway(self, excess: float) -> Self:
+        """This shape with Fs = (1 + excess) Fc in both directions, not searched."""
+
     def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
-        """H, and the factor of velocity in dz/dt, along motions, each of shape (n,).
+        """H = Fh / Fc, and the factor of velocity in dz/dt, along motions, each of shape (n,).
 
         Args:
             edges: start of each motion and end of the last.
@@ -91,10 +95,34 @@ class Shape(Protocol):
         """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n)."""
 
 
-@lru_cache(maxsize=64)
-def unit_block(shape: Shape) -> Array:
-    """The law's block with Coulomb level 1, read-only and cached."""
-    return shape.parameters(1.0, 0.0).pack()
+class KernelShape(Shape):
+    """A shape whose law has a kernel.
+
+    Attributes:
+        law: the class of its parameters.
+    """
+
+    law: Any
+
+    @abstractmethod
+    def block_tangents(self, P: Array) -> Array:
+        """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
+
+    @cached_property
+    def _unit_block(self) -> Array:
+        """The law's block with Coulomb level 1."""
+        return self.parameters(1.0, 0.0).pack()
+
+    def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
+        """See `Shape`."""
+        H, rate = np.empty_like(q), np.empty_like(q)
+        drive_motions(self._unit_block, time, q, edges, H, rate)
+        return H, rate
+
+    def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
+        """See `Shape`."""
+        P = self._unit_block
+        return driven_with_tangents(self.law.law, P, self.block_tangents(P), time, q, edges)
 
 
 _END = "log end"
@@ -145,7 +173,7 @@ _SHARP = 12.0
 
 
 @dataclass(frozen=True)
-class IntegratedShape(Shape):
+class IntegratedShape(KernelShape):
     """Search variables of the integrated law.
 
     Attributes:
@@ -172,6 +200,8 @@ class IntegratedShape(Shape):
     stiffness_assumed: bool = False
     breakaway_assumed: bool = False
     steep_start: bool = False
+
+    law = FrictionParameters
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -308,20 +338,8 @@ class IntegratedShape(Shape):
             parts = _STEEP_TORQUE + (1.0 - _STEEP_TORQUE) * np.append(0.0, parts)
         return tuple(zip(ends.tolist(), (both * parts).tolist(), strict=True))
 
-    def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
-        """H = Fh / Fc and dz/dq along a motion, each of shape (n,)."""
-        H, rate = np.empty_like(q), np.empty_like(q)
-        drive_motions(unit_block(self), time, q, edges, H, rate)
-        return H, rate
-
-    def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
-        """`hysteresis` and its derivatives, by the tangent of the kernel."""
-        P = unit_block(self)
-        own = self._block_tangents(P)
-        return driven_with_tangents("integrated", P, own, time, q, edges)
-
-    def _block_tangents(self, P: Array) -> Array:
-        """Derivatives of the block P by `vector`, shape (k, m); Fc is 1."""
+    def block_tangents(self, P: Array) -> Array:
+        """See `KernelShape`."""
         rows = {name: np.zeros(len(P)) for name in (*_BOTH, *_NEGATIVE)}
         own = slice(1 + integrated.KNOTS + 1, None)
         # knots are z, F, slope; torques and slopes go with Fs of both directions

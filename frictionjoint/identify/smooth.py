@@ -5,15 +5,15 @@ Each term names the measured quantity on which it depends. These terms are not s
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.effects.effect import NOTHING, Effect
 from frictionjoint.effects.signals import LOAD, TEMP, TIME, A, H, Q, V
 from frictionjoint.identify.segment import Segment
+from frictionjoint.identify.terms import Term
 
 VARIABLES = {
     "position": Q,
@@ -35,41 +35,19 @@ def quantity(segment: Segment, signals: Array, variable: str) -> Array:
 
 
 @dataclass(frozen=True)
-class SmoothTerm:
-    """Common base of all unnamed terms; see `terms.Term`.
+class SmoothTerm(Term):
+    """Common base of all unnamed terms.
 
     Attributes:
-        name: the quantity. bounds: of the coefficients; none if empty.
+        variable: the quantity on which the torque depends.
     """
 
-    name: str
-    effect: ClassVar[Effect] = NOTHING
-    bounds: ClassVar[tuple[tuple[float, float], ...]] = ()
-    delay: ClassVar[float] = 0.0
+    variable: str
 
     @property
-    def shape(self) -> tuple[float, ...]:
-        """Nonlinear numbers; most have none."""
-        return ()
-
-    @property
-    def free_shape(self) -> tuple[float, ...]:
-        """All nonlinear numbers."""
-        return self.shape
-
-    @property
-    def limits(self) -> tuple[tuple[float, float], ...]:
-        """None: these numbers have no physical range."""
-        return ()
-
-    @property
-    def follows_law(self) -> bool:
-        """Whether the columns depend on the law; for most terms they do not."""
-        return False
-
-    def with_shape(self, shape: tuple[float, ...]) -> Self:
-        """The term itself, because it has no shape numbers."""
-        return self
+    def name(self) -> str:
+        """The quantity."""
+        return self.variable
 
     def says(self, coefficients: Array, unit: str) -> str:
         """A possible cause, in a sentence; empty if it suggests none.
@@ -103,9 +81,7 @@ class SplineTerm(SmoothTerm):
 
     @property
     def follows_law(self) -> bool:
-        """Whether the columns depend on the law, as they do if multiplied by the direction of
-        friction.
-        """
+        """An odd curve is multiplied by the direction of friction."""
         return self.odd
 
     @property
@@ -114,8 +90,8 @@ class SplineTerm(SmoothTerm):
         return tuple(f"b{i}" for i in range(self.pieces + 2))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient, shape (n, k)."""
-        x = quantity(segment, signals, self.name)
+        """See `Term`."""
+        x = quantity(segment, signals, self.variable)
         out = self._basis(x)
         if self.means:
             out = out - np.array(self.means)
@@ -154,8 +130,8 @@ class SplineTerm(SmoothTerm):
         pairs = list(zip(segments, signals, strict=True))
         columns = np.concatenate([self.columns(s, x)[s.mask] for s, x in pairs])
         known = np.ones((len(columns), 1))
-        if self.name in _PROPORTIONAL:
-            x = np.concatenate([quantity(s, x, self.name)[s.mask] for s, x in pairs])
+        if self.variable in _PROPORTIONAL:
+            x = np.concatenate([quantity(s, x, self.variable)[s.mask] for s, x in pairs])
             known = np.column_stack([known, x])
         means, *slopes = np.linalg.lstsq(known, columns, rcond=None)[0].tolist()
         return replace(self, means=tuple(means), slopes=tuple(slopes[0]) if slopes else ())
@@ -171,10 +147,7 @@ class LogTerm(SmoothTerm):
 
     logs: tuple[str, ...]
 
-    @property
-    def follows_law(self) -> bool:
-        """The level is that of H."""
-        return True
+    follows_law = True
 
     @property
     def coefficients(self) -> tuple[str, ...]:
@@ -182,7 +155,7 @@ class LogTerm(SmoothTerm):
         return tuple(f"level_{i}" for i in range(1, len(self.logs)))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient, shape (n, k)."""
+        """See `Term`."""
         own = [1.0 if segment.name == name else 0.0 for name in self.logs[1:]]
         level: Array = signals[:, [H]] * np.array(own)
         return level
@@ -232,7 +205,7 @@ class WaveTerm(TunedTerm):
         return tuple(f"{c}_{i}" for i in range(len(self.logs)) for c in ("sin", "cos"))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient, shape (n, k)."""
+        """See `Term`."""
         angle = 2.0 * np.pi * self.at * signals[:, [TIME]]
         wave = np.hstack([np.sin(angle), np.cos(angle)])
         own = [1.0 if segment.name == name else 0.0 for name in self.logs]
@@ -267,7 +240,7 @@ class HysteresisTerm(SmoothTerm):
         return tuple(f"level_{i}" for i in range(len(self.reaches)))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient, shape (n, k)."""
+        """See `Term`."""
         return elastic_plastic(signals[:, Q], np.array(self.reaches))
 
 

@@ -10,14 +10,13 @@ from dataclasses import replace
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.law_basis import LawBasis
 from frictionjoint.identify.law_start import LawStart
-from frictionjoint.identify.open_times import timed
 from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, with_parts
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
-from frictionjoint.identify.timing import Timing, VelocityAge
+from frictionjoint.identify.timing import Timing, VelocityAge, timed
 from frictionjoint.identify.weights import reweighed, weighted_by
 from frictionjoint.threads import one_thread, side_by_side
 

@@ -1,29 +1,33 @@
 """Terms that a fit can add to the friction law: their interface, and the catalogue's effects."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.control.reconstruct import AllCommands
-from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.effect import NOTHING, Effect
 from frictionjoint.effects.kernel import torques
 from frictionjoint.effects.signals import GEAR, SAG, SWAY
 from frictionjoint.identify.commanded import Change, CommandedLogs
 from frictionjoint.identify.segment import Segment
-from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
 
 _T = TypeVar("_T")
 
 
 class Term(Protocol):
-    """Interface of a term for a fit."""
+    """Interface of a term for a fit; the defaults are those of a term without shape numbers."""
 
     @property
     def name(self) -> str:
         """Canonical name of the effect, or the variable of a smooth curve."""
+
+    @property
+    def effect(self) -> Effect:
+        """Effect of the catalogue, `NOTHING` for a term of another kind."""
+        return NOTHING
 
     @property
     def coefficients(self) -> tuple[str, ...]:
@@ -32,36 +36,60 @@ class Term(Protocol):
     @property
     def shape(self) -> tuple[float, ...]:
         """Nonlinear numbers."""
+        return ()
 
     @property
     def free_shape(self) -> tuple[float, ...]:
         """Nonlinear numbers that a fit may refine."""
+        return self.shape
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
         """Physical range of each of them, infinite where there is none."""
+        return ()
 
-    def with_shape(self, shape: tuple[float, ...]) -> "Term":
+    def with_shape(self, shape: tuple[float, ...]) -> Self:
         """The term with other shape numbers."""
+        return self
 
     @property
     def follows_law(self) -> bool:
         """Whether the columns change with the law's shape."""
+        return False
 
     @property
-    def effect(self) -> Effect:
-        """Effect of the catalogue, `NOTHING` for a term of another kind."""
+    def changes_drive(self) -> bool:
+        """Whether it changes the output of a controller, see `change`."""
+        return False
 
     @property
     def delay(self) -> float:
         """Time by which the drive is logged early, s."""
+        return 0.0
+
+    def change(self, block: Array, delay: float) -> tuple[Array, float]:
+        """A controller's block and delay as changed by the term."""
+        return block, delay
+
+    def figures(self, controller: Controller) -> dict[str, Any]:
+        """Changes of a controller file that the term corresponds to."""
+        return {}
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """Range of each coefficient, in N m per unit of its column; none if empty."""
+        return self.effect.bounds
 
     def columns(self, segment: Segment, signals: Array) -> Array:
         """Torque per unit of each coefficient, shape (n, k)."""
 
+    def torque(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
+        """Torque with given coefficients along a log, shape (n,)."""
+        return self.columns(segment, signals) @ coefficients
+
 
 @dataclass(frozen=True)
-class EffectTerm:
+class EffectTerm(Term):
     """An effect of the catalogue with given shape numbers.
 
     Attributes:
@@ -69,7 +97,7 @@ class EffectTerm:
             `elastic_share`.
     """
 
-    effect: Effect
+    effect: Effect = NOTHING
     shape: tuple[float, ...] = ()
     part: float = 1.0
 
@@ -94,7 +122,7 @@ class EffectTerm:
         found = self.effect.shape_bounds[self.effect.shape_fixed :]
         return found or ((-np.inf, np.inf),) * len(self.free_shape)
 
-    def with_shape(self, shape: tuple[float, ...]) -> "EffectTerm":
+    def with_shape(self, shape: tuple[float, ...]) -> Self:
         """The effect with other shape numbers."""
         return replace(self, shape=(*self.shape[: len(self.shape) - len(shape)], *shape))
 
@@ -142,6 +170,8 @@ class EffectTerm:
 class DriveTerm(EffectTerm):
     """An effect of the drive, for logs with a known controller: it has no columns of its own."""
 
+    changes_drive = True
+
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
         """A controller's block and delay as changed by the effect."""
         assert self.effect.drive is not None
@@ -157,20 +187,9 @@ class DriveTerm(EffectTerm):
         return np.zeros((len(signals), len(coefficients)))
 
 
-def torque_of(term: Term, segment: Segment, signals: Array, coefficients: Array) -> Array:
-    """Torque of a term with given coefficients along a log, shape (n,)."""
-    if isinstance(term, EffectTerm):
-        return term.torque(segment, signals, coefficients)
-    return term.columns(segment, signals) @ coefficients
-
-
-def changing_drive(terms: tuple[Term, ...]) -> list[DriveTerm | TargetTiming]:
+def changing_drive(terms: tuple[Term, ...]) -> list[Term]:
     """Terms that change the controller output."""
-    return [
-        t
-        for t in terms
-        if isinstance(t, DriveTerm) or (isinstance(t, TargetTiming) and any(t.shape))
-    ]
+    return [t for t in terms if t.changes_drive]
 
 
 def drive_changes(terms: tuple[Term, ...]) -> list[Change]:
@@ -185,11 +204,6 @@ def changed_drive(segment: Segment, terms: tuple[Term, ...]) -> Segment:
         return segment
     drive = CommandedLogs([segment.commanded]).output(AllCommands.mean_drive, changes)
     return replace(segment, drive=drive[: len(segment.drive)])
-
-
-def age_of(terms: tuple[Term, ...], kind: type[Timing] = VelocityAge) -> float:
-    """Age of the velocity in a controller's damping, or of another kind, s."""
-    return sum(t.shape[0] for t in terms if isinstance(t, kind))
 
 
 def delay_of(terms: tuple[Term, ...]) -> float:

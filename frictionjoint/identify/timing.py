@@ -8,12 +8,13 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
 from frictionjoint.effects import command_delay
-from frictionjoint.effects.effect import NOTHING, Effect
-from frictionjoint.identify.segment import Segment
+from frictionjoint.identify.segment import Prepared, Segment
+from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.terms import Term
 
 
 @dataclass(frozen=True)
-class Timing:
+class Timing(Term):
     """A time offset that is fitted together with the law, see `terms.Term`.
 
     Attributes:
@@ -22,16 +23,8 @@ class Timing:
 
     sample: float
     shape: tuple[float, ...] = (0.0,)
-    name: ClassVar[str] = "timing"
     within: ClassVar[tuple[float, float]] = (-1.0, 1.0)
-    coefficients: ClassVar[tuple[str, ...]] = ()
-    follows_law: ClassVar[bool] = False
-    effect: ClassVar[Effect] = NOTHING
-
-    @property
-    def delay(self) -> float:
-        """0: the position of the log is not late."""
-        return 0.0
+    coefficients = ()
 
     @property
     def at_its_end(self) -> bool:
@@ -43,11 +36,6 @@ class Timing:
     def is_long(self) -> bool:
         """Whether the offset is longer than half its sample."""
         return abs(self.shape[0]) > 0.5 * self.sample
-
-    @property
-    def free_shape(self) -> tuple[float, ...]:
-        """The time, s."""
-        return self.shape
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
@@ -87,15 +75,17 @@ class TargetTiming(Timing):
     name = "timing of the target"
     within = (-0.5, 1.0)
 
+    @property
+    def changes_drive(self) -> bool:
+        """Unless the offset is zero."""
+        return any(self.shape)
+
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
         """The controller with its delay changed by the offset."""
         return block, delay + self.shape[0]
 
     def figures(self, controller: Controller) -> dict[str, Any]:
-        """See `DriveTerm`. Nothing for offsets far below a controller tick.
-
-        Nothing for a target that acts early either: no file can state that.
-        """
+        """The delay; no file can state that a target acts early."""
         # a controller's tick may lose a tenth of a sample
         late = self.shape[0] > 0.1 * self.sample
         return command_delay.figures(controller, self.shape) if late else {}
@@ -119,3 +109,32 @@ class DampingAge(Timing):
     name = "age of the damping"
     # a step is no longer than a sample
     within = (-0.5, 0.5)
+
+
+def age_of(terms: tuple[Term, ...], kind: type[Timing] = VelocityAge) -> float:
+    """Age of the velocity in a controller's damping, or of another kind, s."""
+    return sum(t.shape[0] for t in terms if isinstance(t, kind))
+
+
+def timed(prepared: Prepared, terms: tuple[Term, ...], law: Shape) -> tuple[Term, ...]:
+    """The terms, and the sub-sample time offsets that the logs leave open.
+
+    They are: the time of a measured drive relative to its position, or of a command relative to its
+    target, unless an effect states it, because channels are read one after the other. For a target
+    with a delay of its own, the offset is that of the controller's tick. The age of a velocity, in
+    a controller's damping or in a simulation, is assumed to be zero while an inertia or a gain
+    is searched for: logs cannot distinguish them.
+    """
+    if any(isinstance(t, Timing) for t in terms):
+        return terms
+    sample = min(s.sample for s in prepared.segments)
+    found: list[Timing] = []
+    effects = [t.effect for t in terms]
+    if not any(e.delays for e in effects):
+        of_target = prepared.commanded and not any(e.delays_target for e in effects)
+        found.append(TargetTiming(sample) if of_target else DriveTiming(sample))
+    if (prepared.damped or law.steps) and not any(
+        e.is_inertia or e.of_inertia or e.scales for e in effects
+    ):
+        found.append(VelocityAge(sample) if prepared.damped else DampingAge(sample))
+    return (*terms, *(t for t in found if t.name not in prepared.nothing))
