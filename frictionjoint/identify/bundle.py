@@ -3,16 +3,18 @@
 For a short log, a call takes longer than the computation and blocks other threads.
 """
 
-from collections.abc import Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from threading import Lock
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.reconstruct import AllCommands
 from frictionjoint.effects.signals import LOAD, A, V
-from frictionjoint.identify.cache import Cache
 from frictionjoint.identify.commanded import Change, CommandedLogs, Output
 from frictionjoint.identify.tracks import Tracks
 from frictionjoint.measured.lowpass import LowPasses, Spectrum, places
@@ -23,6 +25,36 @@ if TYPE_CHECKING:  # a prepared log bundles what it is made of
 
 # drives of the logs with each filter
 Spectra = list[Spectrum]
+
+
+class Cache:
+    """Least-recently-used cache of arrays by key, of at most so many bytes.
+
+    Threads may use it in parallel. It is not passed to other processes.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most, self._held = most, 0
+        self._found: OrderedDict[object, NDArray[Any]] = OrderedDict()
+        self._lock = Lock()
+
+    def __reduce__(self) -> tuple[type["Cache"], tuple[int]]:
+        return Cache, (self._most,)
+
+    def get(self, key: object, make: Callable[[], NDArray[Any]]) -> NDArray[Any]:
+        """The array of a key, computed if necessary; it must not be changed."""
+        with self._lock:
+            if key in self._found:
+                self._found.move_to_end(key)
+                return self._found[key]
+        made = make()
+        with self._lock:
+            if key not in self._found:
+                self._found[key] = made
+                self._held += made.nbytes
+            while self._held > self._most and len(self._found) > 1:
+                self._held -= self._found.popitem(last=False)[1].nbytes
+        return made
 
 
 class Bundle:

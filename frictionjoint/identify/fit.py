@@ -10,7 +10,6 @@ from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.layout import Layout
-from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.segment import LEAST_LEVEL, Drive
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
@@ -148,7 +147,7 @@ class Fit:
     @property
     def free_jacobian(self) -> Array:
         """Columns of the parameters that can change in both directions, shape (n, free)."""
-        return with_load(self.jacobian, self.layout)[:, self.open]
+        return self.layout.with_load(self.jacobian)[:, self.open]
 
     @property
     def friction(self) -> Array:

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
@@ -26,8 +27,7 @@ class Layout:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of all parameters: `Fc`, `law.log Vs`, coefficients and shape numbers of term i
-        as `i.name`."""
+        """Names of all parameters: `Fc`, `law.log Vs`, those of term i as `i.name`."""
         linear = [f"{i}.{c}" for i, t in enumerate(self.terms) for c in t.coefficients]
         shapes = [f"{i}.shape{k}" for i, t in enumerate(self.terms) for k in range(_free(t))]
         return (*self.base, *linear, *(f"law.{v}" for v in self.law), *shapes)
@@ -61,6 +61,40 @@ class Layout:
         """Indices of all parameters of term i."""
         whole = range(len(self.names))
         return [*whole[self.coefficients(i)], *whole[self.numbers(i)]]
+
+    @cached_property
+    def _tied(self) -> list[int]:
+        """Indices of the coefficients of effects tied to the load's coefficient.
+
+        A gap transmits the torque of the whole link. A free coefficient would measure how well the
+        motion of the link can be predicted: if impacts scatter, least squares reduce it, and a
+        model with a part of a link has no physical meaning.
+        """
+        tied = (i for i, term in enumerate(self.terms) if term.effect.of_load)
+        return [k for i in tied for k in range(self.linear.stop)[self.coefficients(i)]]
+
+    def with_load(self, X: Array) -> Array:
+        """Columns by all or the linear parameters, shape (n, p), with those of tied effects zero
+        and added to the load's column if the gain is unknown; `X` itself if there are none."""
+        if not self._tied:
+            return X
+        found = X.copy()
+        if "load" in self.base:
+            found[:, self.base.index("load")] += X[:, self._tied].sum(axis=1)
+        found[:, self._tied] = 0.0
+        return found
+
+    def less_load(self, X: Array, y: Array) -> Array:
+        """A target minus the effects that are tied to a known load, shape (n,)."""
+        known = self._tied and "load" not in self.base
+        return y - X[:, self._tied].sum(axis=1) if known else y
+
+    def with_sizes(self, beta: Array) -> Array:
+        """Coefficients, with those of tied effects set from the load's, shape (k,)."""
+        if self._tied:
+            beta = beta.copy()
+            beta[self._tied] = beta[self.base.index("load")] if "load" in self.base else 1.0
+        return beta
 
 
 def _free(term: Term) -> int:

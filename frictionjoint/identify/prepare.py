@@ -32,9 +32,9 @@ from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.motion import Motion, motion_of
 from frictionjoint.identify.noise import count_of, noise_of
 from frictionjoint.identify.other_drive import turned_by_another
-from frictionjoint.identify.reversals import path_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import A_BALANCE, Drive, Prepared, Segment
+from frictionjoint.identify.tracks import path_of
 from frictionjoint.identify.zero_order_hold import holds, of_drive
 from frictionjoint.measured.derivatives import LEAST_HZ, motion_band, on_a_grid, uniform
 from frictionjoint.measured.log import JointLog

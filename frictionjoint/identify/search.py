@@ -18,7 +18,6 @@ from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, 
 from frictionjoint.identify.elastic_share import RESOLUTION, SHARES, implied_share
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
-from frictionjoint.identify.load_coefficients import less_load, with_load, with_sizes
 from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
@@ -276,8 +275,8 @@ class Search:
     def _coefficients(self, X: Array, y: Array) -> Array:
         """Coefficients with the smallest residual; a law without a friction level has no damping
         sigma1."""
-        columns = with_load(X, self.layout) * self.weight[:, None]
-        wanted = less_load(X, y, self.layout) * self.weight
+        columns = self.layout.with_load(X) * self.weight[:, None]
+        wanted = self.layout.less_load(X, y) * self.weight
         beta = solve(columns, wanted, self.low, self.high)
         names = self.layout.base
         if "sigma1" in names:
@@ -285,7 +284,7 @@ class Search:
             if beta[level] <= self.low[level] and beta[damping] > 0.0:
                 columns[:, damping] = 0.0
                 beta = solve(columns, wanted, self.low, self.high)
-        return with_sizes(beta, self.layout)
+        return self.layout.with_sizes(beta)
 
     def _size(self, y: Array) -> float:
         return float(np.linalg.norm(y * self.weight))
@@ -337,7 +336,7 @@ class Search:
         X, y, beta, _, unit = self.solved(x)
         w = self.weight[:, None]
         moves = self.balance.moves(*self.split(x), beta, through_terms=False) * w
-        free = with_load(X, self.layout)[:, (beta > self.low) & (beta < self.high)] * w
+        free = self.layout.with_load(X)[:, (beta > self.low) & (beta < self.high)] * w
         length = np.linalg.norm(free, axis=0)
         Q_, R = np.linalg.qr(free[:, length > 0.0] / length[length > 0.0])
         Q_ = Q_[:, np.abs(np.diag(R)) > 1e-8]

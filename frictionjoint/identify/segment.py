@@ -16,13 +16,11 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array, Index
 from frictionjoint.effects.signals import DT, GEAR, LOAD, Q, V
 from frictionjoint.identify.band import Band, clear_of
-from frictionjoint.identify.bundle import Bundle
-from frictionjoint.identify.cache import Cache
+from frictionjoint.identify.bundle import Bundle, Cache
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.noise import Noise, corner_above_noise
-from frictionjoint.identify.reversals import Path, path_of
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.tracks import Start
+from frictionjoint.identify.tracks import Path, Start, path_of
 from frictionjoint.measured.derivatives import HIGHEST
 from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, gentle, places, steep
 

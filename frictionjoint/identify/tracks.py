@@ -2,6 +2,11 @@
 
 One call of a law's kernel serves all logs: for a short log the overhead of a call exceeds the
 computation.
+
+At a reversal friction changes sign at an unknown time between two samples. With a stiff contact, it
+changes from one level to the other within a fraction of a step, so a sample just before or after is
+wrong by up to both levels for that step. So the path of a law has additional points around a
+reversal, and the balance uses the law's mean over each step. Elsewhere point and mean agree.
 """
 
 from dataclasses import dataclass, replace
@@ -10,21 +15,79 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from frictionjoint.arrays import Array, Index
-from frictionjoint.identify.reversals import Path, fill_grid
+from frictionjoint.compiled import compiled
+from frictionjoint.effects.signals import TIME, Q, V
 from frictionjoint.identify.shape import Shape
 
 # displacements, over the travel, over which friction may have come to what it held at first
 _WAY = np.concatenate([[0.0], np.geomspace(1e-7, 3.0, 60)])
+# points a step around a reversal
+_POINTS = 8
+# weights of the points of a mean over a step: the trapezoidal rule
+_RULE = np.full(_POINTS + 1, 1.0 / _POINTS)
+_RULE[[0, -1]] *= 0.5
+
+
+@dataclass(frozen=True)
+class Path:
+    """Path along which a law is driven: m >= n points for the n samples of a grid.
+
+    Attributes:
+        time, position: shape (m,). samples: index of each sample among the points, shape (n,).
+        averaged: whether a sample is the mean over the step around it, shape (n,).
+    """
+
+    time: Array
+    position: Array
+    samples: Index
+    averaged: NDArray[np.bool_]
+
+
+def path_of(signals: Array, resolution: float) -> Path:
+    """The path of a log, signals of shape (n, N_SIGNALS) on a uniform grid, with those reversals
+    resolved that exceed the resolution of the position."""
+    time, q, v = (np.ascontiguousarray(signals[:, k]) for k in (TIME, Q, V))
+    n = len(time)
+    step = (time[-1] - time[0]) / max(n - 1, 1)
+    # displacement from a reversal in the middle of a step to the step's end
+    moved = np.abs(np.diff(v)) * step / 8.0
+    turns = np.flatnonzero((v[:-1] * v[1:] < 0.0) & (moved > resolution))
+    if not len(turns):
+        return Path(time, q, np.arange(n), np.zeros(n, dtype=bool))
+    fine = np.zeros(n - 1, dtype=bool)
+    # one step before that of the reversal, and two after it
+    for k in range(-1, 3):
+        fine[np.clip(turns + k, 0, n - 2)] = True
+    steps = np.flatnonzero(fine)
+    extra = (time[steps, None] + step * np.arange(1, _POINTS) / _POINTS).ravel()
+    spline = CubicHermiteSpline(time, q, v)
+    all_times = np.concatenate([time, extra])
+    order = np.argsort(all_times, kind="stable")
+    t, x = all_times[order], np.concatenate([q, spline(extra)])[order]
+    averaged = np.append(fine, False) & np.append(False, fine)
+    return Path(t, x, np.searchsorted(t, time), averaged)
+
+
+@compiled
+def fill_grid(x: Array, samples: Index, averaged: NDArray[np.bool_], out: Array) -> None:
+    """Map values at the points of paths, shape (k, m), to the samples of their grids, (k, n)."""
+    for i in range(len(x)):
+        for j in range(len(samples)):
+            at = samples[j]
+            if averaged[j]:
+                total = 0.0
+                for k in range(len(_RULE)):
+                    total += _RULE[k] * x[i, at + k - _POINTS // 2]
+                out[i, j] = total
+            else:
+                out[i, j] = x[i, at]
 
 
 class Start(NamedTuple):
-    """Initial state of a log.
-
-    Attributes:
-        held: friction over Fc. position: rad (m). travel: of the whole log, rad (m).
-    """
+    """Initial state of a log: friction over Fc, position and travel of the whole log, rad (m)."""
 
     held: float
     position: float
@@ -33,11 +96,7 @@ class Start(NamedTuple):
 
 @dataclass(frozen=True)
 class Tracks:
-    """Motions of logs along which laws are evaluated.
-
-    Attributes:
-        paths, starts: one per log.
-    """
+    """Motions of logs along which laws are evaluated, with one path and start per log."""
 
     paths: tuple[Path, ...]
     starts: tuple[Start, ...]

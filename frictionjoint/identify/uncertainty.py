@@ -26,7 +26,6 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import V
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.load_coefficients import with_load
 from frictionjoint.identify.segment import Prepared
 
 _RCOND = 1e-10
@@ -41,7 +40,7 @@ def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int6
         prepared: the fitted logs.
         block_of_sample: blocks of time, shape (n,).
     """
-    J = with_load(fitted.jacobian, fitted.layout) * fitted.weight[:, None]
+    J = fitted.layout.with_load(fitted.jacobian) * fitted.weight[:, None]
     e = fitted.residual * fitted.weight
     scale = np.linalg.norm(J, axis=0)
     dead = scale < 1e-12 * scale.max()

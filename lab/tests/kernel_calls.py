@@ -37,8 +37,8 @@ from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, A, H, Q, V
 from frictionjoint.identify.blocks import gram_matrices
 from frictionjoint.identify.commanded import _fill_uniform
 from frictionjoint.identify.constraint_shape import gradient
-from frictionjoint.identify.reversals import fill_grid, path_of
 from frictionjoint.identify.smooth import elastic_plastic
+from frictionjoint.identify.tracks import fill_grid, path_of
 from frictionjoint.law import relaxation, stribeck
 from frictionjoint.law.motion import drive_motions, friction_torque
 from frictionjoint.law.tangents.along import driven_with_tangents
