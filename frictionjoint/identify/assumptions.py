@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.arrays import root_mean_square
 from frictionjoint.decisions import CLEARLY, SMALLEST_GAIN, SURELY
 from frictionjoint.effects.signals import GEAR, A, V
 from frictionjoint.identify.constraint_shape import ConstraintShape
@@ -62,10 +62,9 @@ def with_assumed_stiffness(prepared: Prepared, fitted: Fit) -> Fit:
     shape = fitted.shape.with_assumed_stiffness(shortest(prepared))
     if isinstance(shape, ConstraintShape):
         return replace(fitted, shape=shape)
-    # a stiffness without a torque holds nothing
-    if not shape.stiffness_assumed or not _holds(fitted):
-        return fitted
-    if not _law(prepared, fitted)["stiffness"].is_loose:
+    # a stiffness without a torque holds nothing; an effect may replace the Coulomb level
+    holds = fitted.has_level or any(isinstance(term, EffectTerm) for term in fitted.terms)
+    if not (shape.stiffness_assumed and holds and _law(prepared, fitted)["stiffness"].is_loose):
         return fitted
     found = refit(prepared, fitted.effects, shape, ROUGH)
     return found if _allowed(found, fitted) else fitted
@@ -146,21 +145,13 @@ def _law(prepared: Prepared, fitted: Fit) -> dict[str, Estimate]:
     return law_estimates(fitted, stated_covariance(prepared, fitted), prepared.slide)
 
 
-def _holds(fitted: Fit) -> bool:
-    """Whether the law has a Coulomb level, or an effect may replace it."""
-    return fitted.has_level or any(isinstance(term, EffectTerm) for term in fitted.terms)
-
-
 def shortest(prepared: Prepared) -> float:
     """The shortest displacement at a reversal that the logs resolve, rad (m).
 
     It is limited by the encoder's error, and by the distance that the joint moves within half a
     sample of a reversal at its usual acceleration.
     """
-
-    def of_log(resolution: float, dt: float, a: Array) -> float:
-        return max(resolution, 0.125 * root_mean_square(a) * dt**2)
-
     return min(
-        of_log(s.noise.resolution, s.sample, s.signals[s.mask, A]) for s in prepared.segments
+        max(s.noise.resolution, 0.125 * root_mean_square(s.signals[s.mask, A]) * s.sample**2)
+        for s in prepared.segments
     )

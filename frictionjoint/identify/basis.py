@@ -12,11 +12,7 @@ DEPENDENT = 1e-8
 
 
 def orthonormal(X: Array) -> Array:
-    """Orthonormal basis of the columns of X, shape (n, rank).
-
-    Args:
-        X: columns with similar norms, possibly none, shape (n, k).
-    """
+    """Orthonormal basis, shape (n, rank), of columns with similar norms, possibly none, (n, k)."""
     if not X.shape[1]:
         return X
     basis, triangle, _ = qr(X, mode="economic", pivoting=True, check_finite=False)
@@ -26,12 +22,8 @@ def orthonormal(X: Array) -> Array:
 
 
 def pseudo_inverse(A: Array, rcond: float = DEPENDENT) -> Array:
-    """Pseudo-inverse of symmetric matrices, shape (..., k, k), twice as fast as
-    `numpy.linalg.pinv`.
-
-    Args:
-        rcond: eigenvalues below this fraction of the largest count as zero.
-    """
+    """Pseudo-inverse of symmetric matrices, shape (..., k, k), twice as fast as numpy's;
+    eigenvalues below `rcond` times the largest count as zero."""
     values, vectors = eigh(A)
     size = np.abs(values)
     large = size > rcond * size.max(axis=-1, keepdims=True, initial=0.0)
@@ -40,11 +32,8 @@ def pseudo_inverse(A: Array, rcond: float = DEPENDENT) -> Array:
 
 
 def without(X: Array, known: Array) -> Array:
-    """Columns with others projected out on all samples, shape as X.
-
-    Args:
-        X: shape (n,) or (n, k). known: with similar norms, possibly none, shape (n, m).
-    """
+    """Columns, shape (n,) or (n, k), with others of similar norms, possibly none, shape (n, m),
+    projected out on all samples."""
     basis = orthonormal(known)
     # columns in memory one after the other, as `Blocks.gram` reads them
     rows = np.array(X.T, order="C")

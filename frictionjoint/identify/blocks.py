@@ -27,12 +27,8 @@ LOGS = 3
 
 
 class Folds(NamedTuple):
-    """Assignment of blocks to folds.
-
-    Attributes:
-        place: fold of each block, 0 to F - 1, shape (B,). inside: 1 where a block is in a fold,
-            else 0, shape (F, B).
-    """
+    """Fold of each block, 0 to F - 1, shape (B,), and 1 where a block is in a fold, else 0, shape
+    (F, B)."""
 
     place: Index
     inside: Array
@@ -86,14 +82,8 @@ class Blocks:
         return np.append(changes, len(self.of_sample))
 
     def gram(self, U: Array, at: Index) -> Array:
-        """Gram matrix of some columns of U in each block.
-
-        Args:
-            U: shape (n, c), each column contiguous in memory. at: indices of the columns, shape
-                (m,).
-        Returns:
-            shape (B, m, m), zeros for blocks without samples.
-        """
+        """Gram matrix of columns `at`, shape (m,), of U, shape (n, c) with each column contiguous
+        in memory, in each block, shape (B, m, m); zeros for blocks without samples."""
         edges = self._edges
         own = np.empty((len(edges) - 1, len(at), len(at)))
         gram_matrices(np.ascontiguousarray(U.T), at, edges, own)
@@ -198,11 +188,10 @@ def make_blocks(prepared: Prepared, fitted: Fit) -> Blocks:
     if len(logs) < LOGS:
         key = "kinds", tuple(np.bincount(log).tolist())
         fold = prepared.columns.get(key, partial(_kinds, prepared, of_sample))
-    # similar logs do not test each other: with many logs they share a fold
     elif len(logs) < 8:
         fold = np.array(log)
     else:
-        # logs that are alike are no test of each other
+        # similar logs do not test each other: with many logs they share a fold
         fold = _kinds(prepared, log_index)[np.array(log)]
     variance = [s.noise.torque / (2.0 * s.dt * s.step) for s in prepared.segments]
     noise = float(np.mean(variance)) * fitted.gain**2
@@ -222,13 +211,8 @@ def _kinds(prepared: Prepared, of_sample: Index) -> Index:
 
 
 def kinds_of(rows: Array) -> Index:
-    """Kind of each row, four at most, by k-means with normalised columns; the best of a few starts.
-
-    Args:
-        rows: shape (n, k).
-    Returns:
-        shape (n,), numbers from 0; equal rows give equal kinds.
-    """
+    """Kind of each row, 0 to 3 at most, shape (n,), by k-means with normalised columns and the best
+    of a few starts; equal rows of shape (n, k) give equal kinds."""
     spread = rows.std(axis=0)
     scaled = (rows - rows.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)
     count = min(4, len(np.unique(scaled, axis=0)))

@@ -120,10 +120,7 @@ class Bundle:
         return self._filters.spectra(self._put(AllCommands.mean_drive, changes, drive)[None])
 
     def answer(self, changes: Sequence[Change]) -> Array:
-        """Change of the controllers' drives per small error of position, per rad (m), (m,).
-
-        Zero for a measured drive.
-        """
+        """Change of the controllers' drives per small error of position, see `Balance.answer`."""
         found = self._put(AllCommands.answer, changes, np.zeros_like(self.velocity))
         return self.kept(found[None])[:, 0]
 

@@ -45,11 +45,8 @@ class Commanded:
 
 
 class CommandedLogs:
-    """Commands of several logs, concatenated: one call computes all drives.
-
-    Attributes:
-        places: slice of each log in the output.
-    """
+    """Commands of several logs, concatenated: one call computes all drives, in which `places` are
+    the slices of the logs."""
 
     def __init__(self, logs: Sequence[Commanded]) -> None:
         self._logs = [log.commands for log in logs]
@@ -83,10 +80,7 @@ class CommandedLogs:
 def _fill_uniform(
     time: Vector, x: Vector, edges: Index, grid: Vector, grid_edges: Index, out: Vector
 ) -> None:
-    """Fill `out` by linear interpolation between samples, log by log.
-
-    See `measured.derivatives.uniform`.
-    """
+    """Fill `out` by linear interpolation between samples, log by log, as `numpy.interp`."""
     for i in range(len(edges) - 1):
         t, y, n = pointer(time, edges[i]), pointer(x, edges[i]), edges[i + 1] - edges[i]
         at, last = 0, n - 1

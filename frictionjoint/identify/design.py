@@ -81,10 +81,7 @@ class Balance:
         return np.concatenate(self._each(make))
 
     def differentiate(self, law: Shape) -> None:
-        """Evaluate a law and its derivatives in one pass, for `columns` and `moves`.
-
-        One after the other they would pass along the logs twice.
-        """
+        """Evaluate a law and its derivatives in one pass for `columns` and `moves`, not in two."""
         self._each(partial(self._unit_moves, law))
 
     def _each(self, make: Callable[[Bundle], Array]) -> list[Array]:
@@ -110,11 +107,8 @@ class Balance:
         return np.column_stack(parts)
 
     def of_law(self, law: Shape, terms: tuple[Term, ...], beta: Array, held: Array) -> Array:
-        """Sum of the law and of the terms that depend on the law, shape (n,).
-
-        Args:
-            held: friction over Fc at the first sample of each log, instead of the stored value.
-        """
+        """Sum of the law and of the terms that depend on the law, shape (n,), with other friction
+        over Fc at the first sample of each log."""
         at = [self.layout.base.index(x) for x in ("Fc", "sigma1") if x in self.layout.base]
         found, first = [], 0
         for part in self._parts:
@@ -147,10 +141,8 @@ class Balance:
         return part.store.get(key, lambda: part.damping_rate(drive_changes(terms)))
 
     def answer(self, terms: tuple[Term, ...]) -> Array:
-        """Change of the drive per small error of position, per rad (m), shape (n,).
-
-        Zero for a measured drive.
-        """
+        """Change of the drive per small error of position, per rad (m), shape (n,); zero for a
+        measured drive."""
         return np.concatenate([part.answer(drive_changes(terms)) for part in self._parts])
 
     def _columns_of(self, track: Array, part: Bundle) -> Array:
@@ -168,10 +160,7 @@ class Balance:
         return [s.signals for s in part.logs]
 
     def _driven(self, terms: tuple[Term, ...], part: Bundle) -> Spectra:
-        """Drives that these terms compute from the logs' commands.
-
-        The latest ones are cached, because other numbers leave them unchanged.
-        """
+        """Drives that these terms compute from the logs' commands; the latest are cached."""
         changes = changing_drive(terms)
         known, found = self._latest.get(part, (None, None))
         if found is None or known != changes:

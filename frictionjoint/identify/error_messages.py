@@ -8,16 +8,12 @@ _MEASURED = {"voltage": "voltage_v", "current": "current_a"}
 
 
 class _Columns(NamedTuple):
-    """Column names and units for the position and for the drive.
-
-    Attributes:
-        what: name of the drive, or of the target if a controller computes the drive.
-        rest: further checks on the drive for the message, which no column states.
-    """
+    """Names and units of the columns of the position and of the drive; `what` is the drive, or the
+    target if a controller computes the drive, and `rest` are further checks for the message."""
 
     position: str
-    drive: str
     position_unit: str
+    drive: str
     drive_unit: str
     what: str
     rest: str = ""
@@ -62,11 +58,8 @@ def too_large(prepared: Prepared, names: str, factor: float) -> str:
 
 
 def unexplained(prepared: Prepared, names: str, left: float, hint: str) -> str:
-    """Message: the model leaves too large a fraction of the drive's rms unexplained.
-
-    Args:
-        left: that fraction. hint: ratio of the torque to the model's load, as text.
-    """
+    """Message: the model leaves too large a fraction of the drive's rms unexplained; the hint is
+    the ratio of the torque to the model's load, as text."""
     c = _columns(prepared)
     units = f"the units of {c.position} ({c.position_unit}) and {c.drive} ({c.drive_unit})"
     return (
@@ -78,16 +71,15 @@ def unexplained(prepared: Prepared, names: str, left: float, hint: str) -> str:
 
 def _columns(prepared: Prepared) -> _Columns:
     """Our names of the columns, as this log has them."""
-    side = ("position_m", "m") if prepared.slide else ("position_rad", "rad, not degrees")
+    position = ("position_m", "m") if prepared.slide else ("position_rad", "rad, not degrees")
     if prepared.commanded:
-        target = "target_m" if prepared.slide else "target_rad"
-        per = "m" if prepared.slide else "rad"
+        target, per = ("target_m", "m") if prepared.slide else ("target_rad", "rad")
         gains = f", the controller's gains (per {per}) and feed_forward"
-        return _Columns(side[0], target, side[1], side[1], "target", gains)
-    if prepared.slide:
+        return _Columns(*position, target, position[1], "target", gains)
+    if prepared.drive in _MEASURED:
+        drive = _MEASURED[prepared.drive], "on one clock with the position"
+    elif prepared.slide:
         drive = "force_n", "N"
     else:
         drive = "torque_nm", "N m at the joint, not kN m, mN m or at the motor"
-    if prepared.drive in _MEASURED:
-        drive = _MEASURED[prepared.drive], "on one clock with the position"
-    return _Columns(side[0], drive[0], side[1], drive[1], prepared.drive)
+    return _Columns(*position, *drive, prepared.drive)

@@ -17,10 +17,9 @@ linear torque balance is solved, in a fraction of a second:
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.arrays import Array, Index, root_mean_square
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError, few
 from frictionjoint.identify.basis import lengths, pseudo_inverse
@@ -58,8 +57,8 @@ class Balance(NamedTuple):
     jerk: Array
     side: Array
     elements: Array
-    log: NDArray[np.int64]
-    block: NDArray[np.int64]
+    log: Index
+    block: Index
 
     @property
     def one(self) -> Array:
@@ -74,10 +73,8 @@ class Balance(NamedTuple):
 
 
 class _Load(NamedTuple):
-    """Factors of the model's gravity and inertia in the drive, each of shape (2,).
-
-    A missing one, such as gravity about a vertical axis, has the factor 0 and no error.
-    """
+    """Factors of the model's gravity and inertia in the drive, each of shape (2,); 0 without an
+    error for a missing one, such as gravity about a vertical axis."""
 
     factors: Array
     errors: Array
@@ -85,13 +82,7 @@ class _Load(NamedTuple):
 
 def check_signs(prepared: Prepared) -> None:
     """Check that friction takes power from the joint, and that gravity and inertia are not
-    reversed.
-
-    This holds whatever else the model lacks.
-
-    Raises:
-        LogError: a sign is wrong.
-    """
+    reversed, whatever else the model lacks; LogError: a sign is wrong."""
     balance = _balance(prepared)
     names = few([s.name for s in prepared.segments])
     _check_signs(prepared, balance, _load_factors(balance), names)
@@ -124,11 +115,7 @@ def unexplained_fraction(prepared: Prepared) -> float:
 
 
 def check_fit(prepared: Prepared, fitted: Fit) -> None:
-    """Check that a fit explains some of the torque; otherwise its parameters mean nothing.
-
-    Raises:
-        LogError: it does not.
-    """
+    """Raise LogError unless a fit explains some of the torque; its parameters mean nothing then."""
     left = fitted.rms / fitted.target_rms if fitted.target_rms else np.inf
     if left > MOST_LEFT:
         names = few([s.name for s in prepared.segments])
@@ -165,8 +152,7 @@ def load_shows(fitted: Fit) -> bool:
 
 
 def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) -> None:
-    """Check that the load is not reversed and friction does not drive the joint, in any log or in
-    all.
+    """Check the signs of the load and of friction, in every log and in all together.
 
     The balance of one log may be wrong by more than its standard errors, for example if gravity and
     inertia of a free oscillation cancel. So the balance of the other logs must agree that the sign
@@ -230,9 +216,7 @@ def _free(b: Balance) -> Array:
 
 
 def _friction_power(b: Balance) -> tuple[float, float, float]:
-    """Mean power of friction, in N m rad/s or units of the drive, its standard error, and the
-    residual as a fraction of the drive's rms.
-    """
+    """Mean power of friction, its standard error, and the residual over the drive's rms."""
     X = _free(b)
     beta, cov = _regression(X, b.drive, b.block)
     each = np.zeros(X.shape[1])
@@ -289,26 +273,17 @@ def _balance(prepared: Prepared) -> Balance:
         rows.append(s.balanced(np.column_stack([s.drive, known, jerk, plain_friction(s, top)])))
     sizes = [len(row) for row in rows]
     drive, load, gx, gy, q, v, a, jerk, side, *elements = np.concatenate(rows).T
-    return Balance(
-        drive=drive,
-        load=load,
-        gravity=np.column_stack([gx, gy]),
-        q=q,
-        v=v,
-        a=a,
-        jerk=jerk,
-        side=side,
-        elements=np.column_stack(elements),
-        log=np.repeat(np.arange(len(sizes)), sizes),
-        block=_blocks(len(drive)),
-    )
+    gravity, friction = np.column_stack([gx, gy]), np.column_stack(elements)
+    log = np.repeat(np.arange(len(sizes)), sizes)
+    block = _blocks(len(drive))
+    return Balance(drive, load, gravity, q, v, a, jerk, side, friction, log, block)
 
 
-def _blocks(n: int) -> NDArray[np.int64]:
+def _blocks(n: int) -> Index:
     return np.arange(n) * _BLOCKS // max(n, 1)
 
 
-def _regression(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Array]:
+def _regression(X: Array, y: Array, block: Index) -> tuple[Array, Array]:
     """Least squares, and its covariance if samples within a block are not independent."""
     size = lengths(X)
     Z = X / size
@@ -316,7 +291,7 @@ def _regression(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Ar
     return beta / size, _errors(Z, y - Z @ beta, block) / np.outer(size, size)
 
 
-def _errors(X: Array, residual: Array, block: NDArray[np.int64]) -> Array:
+def _errors(X: Array, residual: Array, block: Index) -> Array:
     """Covariance of the coefficients of X, by blocks."""
     bread = pseudo_inverse(X.T @ X)
     scores = np.zeros((_BLOCKS, X.shape[1]))

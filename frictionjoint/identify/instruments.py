@@ -20,11 +20,8 @@ _ABOUT = 0.1
 
 @dataclass(frozen=True)
 class ExcessTerm(TunedTerm):
-    """Logged torque beyond a level: it was commanded and may not have been delivered.
-
-    Attributes:
-        at: the level, N m (N). within: levels that are exceeded, but not always.
-    """
+    """Logged torque beyond a level, N m (N), which was commanded and may not have been delivered;
+    `within` are levels that are exceeded, but not always."""
 
     # a saturated drive delivers nothing of the torque beyond its level
     coefficients = ("fraction",)
@@ -36,13 +33,9 @@ class ExcessTerm(TunedTerm):
         return np.asarray(torque - np.clip(torque, -self.at, self.at))
 
     def shows(self, segments: Sequence[Segment], motion_hz: float) -> bool:
-        """Whether it can be distinguished from torque noise, which exceeds a level too.
-
-        It must also differ from torque that an end of the joint's range absorbs without motion.
-
-        Args:
-            motion_hz: corner of the filter that the torque passed.
-        """
+        """Whether it can be distinguished from torque noise, which exceeds a level too, and from
+        torque that an end of the joint's range absorbs without motion; `motion_hz` is the corner of
+        the filter that the torque passed."""
         noise, squares, pressing = 0.0, 0.0, 0.0
         q = [s.signals[s.mask, Q] for s in segments]
         whole = np.concatenate(q)

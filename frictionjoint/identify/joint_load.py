@@ -18,11 +18,8 @@ def load_of(
     velocity: Array | None = None,
     others: Mapping[str, tuple[Array, Array, Array]] | None = None,
 ) -> Load:
-    """Load of a joint, along the measured motion of other joints if there are any.
-
-    Args:
-        velocity: of the joint, shape (n,). others: position, velocity and acceleration by name.
-    """
+    """Load of a joint with a velocity, shape (n,), along the measured motion of other joints, their
+    positions, velocities and accelerations by name, if there are any."""
     j = body.joint_id
     v = velocity if others and velocity is not None else np.zeros(1)
     none, one = np.zeros(len(v)), np.ones(len(v))

@@ -48,11 +48,8 @@ class LinearLaw:
         return float(self.levels.sum())
 
     def sticking(self, s: Segment, top_speed: float) -> tuple[Array, Array]:
-        """Fraction of the level carried by sticking elements along a log, and their stiffness.
-
-        Returns:
-            each of shape (n,).
-        """
+        """Fraction of the level carried by sticking elements along a log, and their stiffness, each
+        of shape (n,)."""
         sticks = np.abs(elastic_plastic(s.signals[:, Q], self.reaches)) < 1.0
         each = falls(np.abs(s.signals[:, V]) / top_speed) @ self.levels
         total = np.maximum(each.sum(axis=1), np.finfo(float).tiny)
@@ -67,10 +64,8 @@ class LawBasis:
 
     @cached_property
     def reaches(self) -> Array:
-        """Displacements from rest to slipping of the elements, rad (m), shape (k,).
-
-        The least one is what the position resolves, the largest a tenth of the travel.
-        """
+        """Displacements from rest to slipping of the elements, rad (m), shape (k,), from what the
+        position resolves up to a tenth of the travel."""
         span = self.prepared.span
         resolved = max(s.noise.resolution for s in self.prepared.segments)
         least = min(max(1e-5 * span, resolved), 0.1 * 0.1 * span)
@@ -78,10 +73,8 @@ class LawBasis:
 
     @cached_property
     def columns(self) -> Array:
-        """Regressors of the levels, then of the damping, shape (n, (2 + f) k).
-
-        For each function of `falls` there is one level per element.
-        """
+        """Regressors of the levels, one per function of `falls` and element, then of the damping,
+        shape (n, (2 + f) k)."""
         parts = (s.balanced(self._along(s)) for s in self.prepared.segments)
         return self.prepared.columns.get("law", lambda: np.concatenate(list(parts)))
 

@@ -14,10 +14,7 @@ from frictionjoint.identify.terms import Term
 
 
 def full_signals(prepared: Prepared, shape: Shape, Fc: float, sigma2: float) -> list[Array]:
-    """Signals of each log with H, RATE and MOTOR filled in for a law.
-
-    MOTOR is the torque of the rigid body plus friction, N m.
-    """
+    """Signals of each log with H, RATE and MOTOR, the rigid body's torque plus friction, N m."""
     found = list(with_track(prepared.whole.tracks.along(shape), prepared.whole))
     for signals in found:
         signals[:, MOTOR] = signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V]
@@ -47,9 +44,8 @@ def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment
     out.
 
     Args:
-        X: columns in the order of the layout, shape (n, k), the first that of the load.
-        beta: coefficients in units of the drive, shape (k,).
-        segments: the logs whose kept samples are the rows.
+        X: shape (n, k), rows of the logs' kept samples; the first column is that of the load.
+        beta: in units of the drive, shape (k,).
     """
     at = [i for i, term in enumerate(layout.terms) if MOTOR in term.effect.needs]
     if not at:

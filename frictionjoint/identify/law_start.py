@@ -38,23 +38,15 @@ class LawStart:
 
     @classmethod
     def of(cls, reaches: Array, levels: Array, top_speed: float) -> Self:
-        """Start of a search from the linear fit of elastic-plastic elements in parallel.
-
-        Args:
-            reaches: displacement from rest to slipping of each element, rad (m), shape (k,).
-            levels: of each element, for each function in `falls`, shape (1 + f, k).
-        """
+        """Start of a search from the linear fit of elastic-plastic elements, see `LinearLaw`."""
         excess, Vs, delta = _stribeck(falls(_SPEEDS) @ levels.sum(axis=1))
         length, bend = _transition(reaches, levels.sum(axis=0))
         return cls(excess, Vs * top_speed, delta, length, bend)
 
 
 def falls(speed: Array) -> Array:
-    """Basis functions of the level over speed, shape (n, 1 + f): a constant, then decreasing ones.
-
-    Args:
-        speed: as a fraction of the top speed, shape (n,).
-    """
+    """Basis functions of the level over speed as a fraction of the top speed, shape (n,): a
+    constant, then decreasing ones, shape (n, 1 + f)."""
     return np.column_stack([np.ones_like(speed), np.exp(-((speed[:, None] / _FALLS) ** 2))])
 
 

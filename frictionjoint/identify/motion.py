@@ -48,12 +48,8 @@ def grid_steps(corner_hz: float) -> tuple[float, float]:
 
 
 def motion_of(log: JointLog, body: RigidBody, corner_hz: float, held: bool) -> Motion:
-    """Filter a log's motion and compute inverse dynamics.
-
-    Args:
-        corner_hz: of the filter. held: whether the drive is constant between samples, which the
-            acceleration must account for.
-    """
+    """Filter a log's motion and compute inverse dynamics; if the drive is held constant between
+    samples, the acceleration accounts for it."""
     raw_time, raw, sample = on_a_grid(log)
     finest, longest = grid_steps(corner_hz)
     # a slow log is not refined at any cost

@@ -68,9 +68,6 @@ def density_above(x: Array, dt: float) -> float:
 
     The median is not affected by spectral lines. For a spectrum averaged over few segments the
     median is below the mean, and is corrected as for a chi-squared variable.
-
-    Args:
-        x: shape (n,). dt: sampling interval, s.
     """
     from scipy.signal import welch
 
@@ -90,13 +87,7 @@ def density_above(x: Array, dt: float) -> float:
 
 
 def count_of(position: Array) -> float:
-    """Step of the encoder, rad: neighbouring positions differ by multiples of it.
-
-    Args:
-        position: as measured, shape (n,).
-    Returns:
-        0 if there is no such step.
-    """
+    """Step of the encoder, rad, by multiples of which measured positions differ; 0: none."""
     apart = np.diff(np.unique(position))
     apart = apart[apart > SAME_POSITION * np.ptp(position)]
     if not apart.size:
@@ -111,13 +102,8 @@ def count_of(position: Array) -> float:
 def noise_of(
     drive: Array, position: Array, smooth: Array, dt: float, count: float, inertia: float
 ) -> Noise:
-    """Noise of a log.
-
-    Args:
-        drive, position: as measured, on a uniform grid of step `dt`, shape (n,).
-        smooth: the position behind the filter of the motion, shape (n,).
-        inertia: drive over acceleration.
-    """
+    """Noise of a log, from drive and position as measured and the position behind the filter of the
+    motion, each of shape (n,) on a uniform grid of step `dt`."""
     from scipy.signal import welch
 
     error = np.zeros_like(smooth)
@@ -130,12 +116,8 @@ def noise_of(
 
 
 def corner_above_noise(torque: Array, dt: float, bandwidth_hz: float, corner_hz: float) -> float:
-    """Corner, Hz, of the band in which the torque of a rigid body exceeds its noise.
-
-    Args:
-        torque: shape (n,), every dt s. bandwidth_hz: corner of the balance. corner_hz: of the
-            motion that it was computed from.
-    """
+    """Corner, Hz, of the band in which the torque of a rigid body, every dt s, exceeds its noise,
+    given the corners of the balance and of the motion that it was computed from."""
     from scipy.signal import welch
 
     # 20 periods of the balance's corner

@@ -15,12 +15,7 @@ from frictionjoint.arrays import Array
 def pattern_search(
     squares: Callable[[Array], float], x: Array, axes: Sequence[int], low: Array, high: Array
 ) -> Array:
-    """A point from which no step along these axes reduces the sum of squares, shape (p,).
-
-    Args:
-        squares: function to minimise. x: start, shape (p,). axes: indices of the free numbers.
-        low, high: bounds, shape (p,).
-    """
+    """A point within bounds from which no step along these axes reduces the sum of squares."""
     x, least, step = x.copy(), squares(x), 0.16
     while step > 0.002:
         moved = False

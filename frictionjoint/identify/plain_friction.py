@@ -14,19 +14,13 @@ _REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
 
 
 def top_speed(segments: Sequence[Segment]) -> float:
-    """Top speed of all logs without the fastest 1% of samples of each, rad/s (m/s).
-
-    It is 1 if nothing moves.
-    """
+    """Top speed of all logs without the fastest 1% of samples of each, rad/s (m/s); 1 if nothing
+    moves."""
     return float(np.max([np.quantile(np.abs(s.signals[:, V]), 0.99) for s in segments])) or 1.0
 
 
 def plain_friction(s: Segment, top: float) -> Array:
-    """A smooth sign of the velocity, and elastic-plastic elements, shape (n, 7).
-
-    Args:
-        top: speed, rad/s (m/s).
-    """
+    """A smooth sign of the velocity, and elastic-plastic elements, shape (n, 7)."""
     q, v = s.signals[:, Q], s.signals[:, V]
     # below 2% of the top speed friction is changing its side
     side = np.clip(v / (0.02 * top), -1.0, 1.0)

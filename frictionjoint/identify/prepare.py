@@ -125,12 +125,7 @@ def _drive(log: JointLog) -> tuple[Drive, Array]:
 def _segment(
     log: JointLog, body: RigidBody, motion: Motion, band: Band, controller: Controller | None
 ) -> Segment:
-    """Prepare a log whose motion is known.
-
-    Args:
-        controller: controller that computes the drive from the log's commands; None: measured
-            drive.
-    """
+    """Prepare a log whose motion is known; a controller computes its drive, or it is measured."""
     grid, sample, smooth, rigid = motion.raw_time, motion.sample, motion.smooth, motion.rigid
     t, dt, n = motion.time, motion.dt, len(motion.time)
     signals = _signals(log, motion)
@@ -220,8 +215,7 @@ def _signals(log: JointLog, motion: Motion) -> Array:
 def _saturated(time: Array, values: Array, grid: Array) -> Array | None:
     """1 where a drive is at its largest value, -1 where it is at its smallest; None if never.
 
-    At a limit many samples have the same value, within the noise. At the crest of a wave there are
-    only a few more samples than below it.
+    At a limit, unlike at the crest of a wave, many samples have the same value, within the noise.
     """
     found = np.zeros(len(values))
     steps = np.abs(np.diff(values))

@@ -104,13 +104,10 @@ def _linear(fitted: Fit) -> list[float]:
 
 
 def law_estimates(fitted: Fit, cov: Array, slide: bool) -> dict[str, Estimate]:
-    """Parameters of the law by name, both directions.
+    """Parameters of the law by name, both directions, and the gain of a motor.
 
-    Args:
-        cov: of all parameters of the fit, in the order of its jacobian.
-    Returns:
-        standard errors by the first-order propagation of `cov`, with that of the gain of a motor;
-        None where the fit did not estimate the number or the logs do not determine it.
+    Standard errors follow from the covariance of all parameters of the fit, in the order of its
+    jacobian, to first order; None where the number was not fitted or the logs do not determine it.
     """
     linear, x = np.array(_linear(fitted)), fitted.shape.vector()
     theta = np.concatenate([linear, x])

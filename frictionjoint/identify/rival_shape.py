@@ -176,11 +176,8 @@ class RivalShape(KernelShape):
 
 
 def prompt_maxwell_slip() -> tuple[Shape, ...]:
-    """Maxwell-slip that follows the Stribeck curve within milliseconds.
-
-    Its rate of attraction is a frictional lag. A law for the search of effects must not have one,
-    because that effect could not be found.
-    """
+    """Maxwell-slip that follows the Stribeck curve within milliseconds: its rate of attraction is a
+    frictional lag, and with one in the law a search would not find that effect."""
     # 1/s: a lag of 3 ms, which a fit's bandwidth does not resolve
     return (replace(start_of(MaxwellSlipParameters), least_rate=300.0),)
 

@@ -48,13 +48,8 @@ def refit(
     closeness: float = CLOSE,
     steps: int = 20,
 ) -> Fit:
-    """Fit the terms and a law from one start.
-
-    Args:
-        start: shape to start from; terms start from their own shapes.
-        closeness: stop when a step reduces the sum of squares by less than this fraction.
-        steps: largest number of steps.
-    """
+    """Fit a law from one start, and terms from their own shapes, in so many steps, or until a step
+    reduces the sum of squares by less than the fraction `closeness`."""
     search = Search(prepared, timed(prepared, terms, start), start)
     found = search.result(search.run(search.start, steps, closeness).x)
     return with_parts(prepared, found, steps, closeness)
@@ -101,12 +96,8 @@ def nearer(prepared: Prepared, terms: tuple[Term, ...], laws: Sequence[Shape]) -
 
 
 class Solution(NamedTuple):
-    """Columns, target and coefficients at a point of a search, in units of the drive.
-
-    Attributes:
-        acting: fraction of the drive that effects of the drive have left, see `Fit.acting`.
-        unit: factor on an error before it is minimised.
-    """
+    """Columns, target and coefficients at a point of a search, in units of the drive, `Fit.acting`,
+    and the factor on an error before it is minimised."""
 
     X: Array
     y: Array
@@ -155,10 +146,8 @@ class Search:
         return np.array(low), np.array(high)
 
     def _limits(self, term: Term) -> list[tuple[float, float]]:
-        """Physical ranges; a frequency in time is limited to the band of the balance.
-
-        A frequency in position is at least one wave per turn.
-        """
+        """Physical ranges; a frequency in time is limited to the band of the balance, and one in
+        position to at least one wave per turn."""
         limits = list(term.limits)
         if isinstance(term, EffectTerm):
             if term.effect.is_wave:
@@ -273,8 +262,7 @@ class Search:
         return found
 
     def _coefficients(self, X: Array, y: Array) -> Array:
-        """Coefficients with the smallest residual; a law without a friction level has no damping
-        sigma1."""
+        """Best coefficients; a law without a friction level has no damping sigma1."""
         columns = self.layout.with_load(X) * self.weight[:, None]
         wanted = self.layout.less_load(X, y) * self.weight
         beta = solve(columns, wanted, self.low, self.high)

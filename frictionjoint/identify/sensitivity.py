@@ -29,13 +29,8 @@ def driven(prepared: Prepared, fitted: Fit) -> Prepared:
 
 
 def sensitivities(prepared: Prepared, fitted: Fit) -> Array:
-    """Jacobian of a fit's torque on other motions than those it was fitted to.
-
-    Args:
-        prepared: the motions; a delay in the fit shifts their drive.
-    Returns:
-        shape (n, p), N m, columns in the order of `fitted.jacobian`, rows the kept samples.
-    """
+    """Jacobian of a fit's torque on other motions, whose drive a delay in the fit shifts: rows for
+    the kept samples and columns as those of `fitted.jacobian`, N m, shape (n, p)."""
     found = Balance(prepared, fitted.shape, fitted.terms)
     X, _ = found.columns(fitted.shape, fitted.terms, fitted.beta)
     moves = found.moves(fitted.shape, fitted.terms, fitted.beta)

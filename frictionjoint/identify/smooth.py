@@ -36,11 +36,7 @@ def quantity(segment: Segment, signals: Array, variable: str) -> Array:
 
 @dataclass(frozen=True)
 class SmoothTerm(Term):
-    """Common base of all unnamed terms.
-
-    Attributes:
-        variable: the quantity on which the torque depends.
-    """
+    """Common base of all unnamed terms: a dependence on a variable."""
 
     variable: str
 
@@ -50,11 +46,7 @@ class SmoothTerm(Term):
         return self.variable
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """A possible cause, in a sentence; empty if it suggests none.
-
-        Args:
-            coefficients: of its columns, in `unit` each. unit: of the torque.
-        """
+        """A possible cause, in a sentence, from coefficients in a unit of torque; empty: none."""
         return ""
 
 
@@ -100,10 +92,8 @@ class SplineTerm(SmoothTerm):
         return out * signals[:, [H]] if self.odd else out
 
     def _basis(self, x: Array) -> Array:
-        """Cubic B-splines of uniform knots at x, shape (n, pieces + 2).
-
-        The last one is left out, because the sum of all is a constant.
-        """
+        """Cubic B-splines of uniform knots at x, shape (n, pieces + 2), without the last: all sum to
+        a constant."""
         at = np.clip((x - self.low) / (self.high - self.low), 0.0, 1.0) * self.pieces
         piece = np.minimum(at.astype(int), self.pieces - 1)
         t = at - piece
@@ -121,10 +111,7 @@ class SplineTerm(SmoothTerm):
 
     def centred(self, segments: Sequence[Segment], signals: Sequence[Array]) -> "SplineTerm":
         """The curve without its mean over the kept samples, and without a slope that the model
-        contains.
-
-        An odd curve has neither.
-        """
+        contains; an odd curve has neither."""
         if self.odd:
             return self
         pairs = list(zip(segments, signals, strict=True))
@@ -139,11 +126,7 @@ class SplineTerm(SmoothTerm):
 
 @dataclass(frozen=True)
 class LogTerm(SmoothTerm):
-    """A separate friction level for every log but the first.
-
-    Attributes:
-        logs: names of the logs, in order.
-    """
+    """A separate friction level for every log, by name and in order, but the first."""
 
     logs: tuple[str, ...]
 
@@ -163,11 +146,7 @@ class LogTerm(SmoothTerm):
 
 @dataclass(frozen=True)
 class TunedTerm(SmoothTerm):
-    """A term with one nonlinear number.
-
-    Attributes:
-        at: that number. within: its bounds.
-    """
+    """A term with one nonlinear number `at` within bounds."""
 
     at: float
     within: tuple[float, float]
@@ -226,11 +205,8 @@ class WaveTerm(TunedTerm):
 
 @dataclass(frozen=True)
 class HysteresisTerm(SmoothTerm):
-    """Additional hysteresis in position: elastic-plastic elements with several slip displacements.
-
-    Attributes:
-        reaches: displacement at which each element slips, rad.
-    """
+    """Additional hysteresis in position: elastic-plastic elements that slip at some displacements,
+    rad."""
 
     reaches: tuple[float, ...]
 

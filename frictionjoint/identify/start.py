@@ -33,11 +33,8 @@ _TELLS = 0.01
 
 
 def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
-    """The logs with initial states that minimise the residual of a fit.
-
-    Returns:
-        `prepared` itself if no log determines a better initial state.
-    """
+    """The logs with initial states that minimise the residual of a fit; `prepared` itself if no log
+    determines a better one."""
     begun = []
     for i, held in enumerate(_starts(prepared, fitted)):
         own = prepared.segments[i]
@@ -91,10 +88,8 @@ def _starts(prepared: Prepared, fitted: Fit) -> list[float]:
 
 
 def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
-    """Deflection of an elastic joint at the first sample of a log, and its rate.
-
-    The residual of the log is linear in both.
-    """
+    """Deflection of an elastic joint at the first sample of a log, and its rate, in which the
+    residual is linear."""
     (segment,) = one.segments
     at = [i for i, t in enumerate(fitted.terms) if t.effect.free]
     inertia = float(fitted.term_coefficients(at[0])[0]) / fitted.gain if at else 0.0
@@ -111,12 +106,8 @@ def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
 
 
 def swinging(prepared: Prepared, fitted: Fit, term: Term, columns: Array, free: Array) -> Prepared:
-    """The logs with the free oscillations that a term would have if it were added.
-
-    Args:
-        term: not part of the fit. columns: of the term, shape (n, 1). free: its `swing_columns`,
-            two per log, shape (n, 2 k).
-    """
+    """The logs with the free oscillations that a term, not part of the fit, would have if it were
+    added; its columns, shape (n, 1), and its `swings_of`, shape (n, 2 k), are given."""
     X = np.column_stack([columns, free]) * fitted.weight[:, None]
     size = lengths(X)
     e = fitted.residual * fitted.weight
@@ -161,11 +152,7 @@ def _heads(prepared: Prepared, shape: Shape) -> tuple[Segment, ...]:
 
 
 def _head(segment: Segment, apart: Index) -> Segment:
-    """The first part of a log.
-
-    Args:
-        apart: samples at which the law still depends on its initial state.
-    """
+    """The first part of a log, with the samples at which the law depends on its initial state."""
     reach = int(REACH / (segment.bandwidth_hz * segment.dt)) + 1
     end = int(apart[-1]) + reach if apart.size else reach
     if end + reach >= len(segment.drive):
@@ -176,13 +163,8 @@ def _head(segment: Segment, apart: Index) -> Segment:
 
 
 class Prediction(NamedTuple):
-    """Torques on the kept samples of each log, N m.
-
-    Attributes:
-        measured: with the gain of the fit if the drive's is unknown. predicted: by the fit.
-        friction: of the law alone, part of the prediction.
-        weight: of each sample.
-    """
+    """Torques on the kept samples of each log, N m: measured, with the gain of the fit if the
+    drive's is unknown, predicted by the fit, and the law's part of that; and the weights."""
 
     measured: list[Array]
     predicted: list[Array]

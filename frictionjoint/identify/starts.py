@@ -33,11 +33,7 @@ def fit(
     forms: Sequence[Shape] = INTEGRATED,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Fit:
-    """Fit a law and terms from several starts.
-
-    Args:
-        forms: of the law.
-    """
+    """Fit terms and a law in several forms, from several starts."""
     progress(f"fitting the friction law in {len(forms)} forms")
     followed = _followed(_screened(prepared, terms, forms))
     # the two best forms, if the second costs at most twice as much
@@ -58,11 +54,7 @@ def law_alone(
     progress: Callable[[str], None] = lambda text: None,
     open_times: tuple[type[Timing], ...] = (VelocityAge,),
 ) -> tuple[Prepared, Fit]:
-    """First fit of a law alone, with the initial states of its logs.
-
-    Args:
-        open_times: see `with_times`.
-    """
+    """First fit of a law alone, with the initial states of its logs; see `with_times`."""
 
     def made(own: Prepared) -> Fit:
         return fit(own, forms=known, progress=progress)

@@ -9,12 +9,9 @@ from frictionjoint.identify.terms import EffectTerm, Term
 
 
 def swing_columns(segment: Segment, term: Term) -> tuple[Array, Array]:
-    """Torques of an initial free oscillation, per unit of the term's coefficient.
-
-    Returns:
-        columns on the kept samples, shape (n, 2), of a deflection and of a rate with the same
-        amplitude; and these two, shape (2,).
-    """
+    """Torques of an initial free oscillation, per unit of the term's coefficient: columns on the
+    kept samples, shape (n, 2), of a deflection and of a rate with the same amplitude; and these
+    two, shape (2,)."""
     assert isinstance(term, EffectTerm)
     assert term.effect.free is not None
     sizes = np.array([1.0, 2.0 * np.pi * term.shape[0]])

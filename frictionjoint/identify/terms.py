@@ -90,12 +90,8 @@ class Term(Protocol):
 
 @dataclass(frozen=True)
 class EffectTerm(Term):
-    """An effect of the catalogue with given shape numbers.
-
-    Attributes:
-        part: ratio of the effect's own inertia to the inertia on which gravity acts, see
-            `elastic_share`.
-    """
+    """An effect of the catalogue with given shape numbers, and the ratio of its own inertia to the
+    inertia on which gravity acts, see `elastic_share`."""
 
     effect: Effect = NOTHING
     shape: tuple[float, ...] = ()
@@ -137,12 +133,11 @@ class EffectTerm(Term):
         return self.shape[0] if self.effect.delays else 0.0
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """Torque per unit of each coefficient along a log, shape (n, k)."""
+        """See `Term`."""
         return self._torques(segment, signals, np.eye(len(self.coefficients)))
 
     def torque(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
-        """Torque with given coefficients, shape (n,): the sum of the columns, at the cost of
-        one."""
+        """The sum of the columns, at the cost of one."""
         return self._torques(segment, signals, coefficients[None])[:, 0]
 
     def _torques(self, segment: Segment, signals: Array, coefficients: Array) -> Array:

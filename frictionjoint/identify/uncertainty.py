@@ -14,15 +14,13 @@ used:
 They cover noise with memory, and a law whose error differs between logs or speeds. They do not
 cover errors common to all logs and speeds: a wrong torque scale, a wrong mass in the MJCF, a
 missing effect; nor the choice of effects or of the law's form. The variation between logs is
-estimated from few of
-them: a 95% interval uses Student's quantile with one degree of freedom less than logs (4.3 standard
-errors with three), not two.
+estimated from few of them: a 95% interval uses Student's quantile with one degree of freedom less
+than logs (4.3 standard errors with three), not two.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, Index
 from frictionjoint.effects.signals import V
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.fit import Fit
@@ -31,15 +29,9 @@ from frictionjoint.identify.segment import Prepared
 _RCOND = 1e-10
 
 
-def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int64]) -> Array:
-    """Covariance of the parameters in the order of the Jacobian, shape (p, p).
-
-    Undetermined directions have infinite variance.
-
-    Args:
-        prepared: the fitted logs.
-        block_of_sample: blocks of time, shape (n,).
-    """
+def covariance(prepared: Prepared, fitted: Fit, block_of_sample: Index) -> Array:
+    """Covariance of the parameters in the order of the Jacobian, shape (p, p), from the fitted logs
+    and the block of each sample, shape (n,). Undetermined directions have infinite variance."""
     J = fitted.layout.with_load(fitted.jacobian) * fitted.weight[:, None]
     e = fitted.residual * fitted.weight
     scale = np.linalg.norm(J, axis=0)
@@ -59,7 +51,7 @@ def covariance(prepared: Prepared, fitted: Fit, block_of_sample: NDArray[np.int6
     return np.asarray(cov)
 
 
-def regimes(prepared: Prepared) -> NDArray[np.int64]:
+def regimes(prepared: Prepared) -> Index:
     """Range of speed and direction that each kept sample belongs to, shape (n,)."""
     v = prepared.at_kept(V)
     # six equally filled ranges of speed, each in both directions
@@ -67,14 +59,14 @@ def regimes(prepared: Prepared) -> NDArray[np.int64]:
     return np.asarray(2 * np.digitize(np.abs(v), edges) + (v > 0.0), dtype=np.int64)
 
 
-def _sandwich(Y: Array, e: Array, group: NDArray[np.int64]) -> Array:
+def _sandwich(Y: Array, e: Array, group: Index) -> Array:
     """Sum over groups of their scores' squares."""
     scores = np.array([y.T @ own for y, own in _parts(Y, e, group)])
     n = len(scores)
     return np.asarray(scores.T @ scores * (n / max(1, n - 1)))
 
 
-def _jackknife(Y: Array, e: Array, group: NDArray[np.int64]) -> Array:
+def _jackknife(Y: Array, e: Array, group: Index) -> Array:
     """Spread of the parameters when each group in turn is left out, to first order.
 
     Without a group the parameters move by (1 - Y_g'Y_g)^-1 Y_g'e_g (Miller 1974).
@@ -89,7 +81,7 @@ def _jackknife(Y: Array, e: Array, group: NDArray[np.int64]) -> Array:
     return np.asarray(D.T @ D * ((n - 1) / n))
 
 
-def _parts(Y: Array, e: Array, group: NDArray[np.int64]) -> list[tuple[Array, Array]]:
+def _parts(Y: Array, e: Array, group: Index) -> list[tuple[Array, Array]]:
     order = np.argsort(group, kind="stable")
     edges = np.flatnonzero(np.diff(group[order])) + 1
     return list(zip(np.split(Y[order], edges), np.split(e[order], edges), strict=True))

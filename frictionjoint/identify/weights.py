@@ -54,13 +54,8 @@ def _errors(prepared: Prepared, sticking: Sequence[Array], residual: Array) -> E
 
 
 def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:
-    """Expected residuals of a fit on logs that it was not fitted to.
-
-    Logs with almost no sticking determine no stiffness, and no friction at rest.
-
-    Args:
-        prepared: the logs it was fitted to. cov: of its parameters.
-    """
+    """Expected residuals of a fit, with a covariance of its parameters, on logs other than the
+    fitted ones: those with almost no sticking determine no stiffness, and no friction at rest."""
     found = errors_of(prepared, fitted)
     stiffness = law_estimates(fitted, cov, prepared.slide)["stiffness"]
     error = np.inf if stiffness.stderr is None else stiffness.stderr / stiffness.value
@@ -69,12 +64,8 @@ def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:
 
 
 def weighted(prepared: Prepared, fitted: Fit, errors: Errors) -> Prepared:
-    """Logs with sample weights from a fitted law.
-
-    Args:
-        errors: of the fitted logs: weights are relative to the error in sliding, and the error in
-            sticking is at least that.
-    """
+    """Logs with sample weights from a fitted law, relative to the error of the fitted logs in
+    sliding; the error in sticking is at least that."""
     law = law_parameters(fitted)
     level = fitted.levels[0]
     unresolved = [min(law.stiffness * s.noise.resolution, level) for s in prepared.segments]
@@ -88,12 +79,9 @@ def weighted_by(
     level: float,
     residual: Array,
 ) -> Prepared:
-    """Logs with sample weights before any law is fitted.
-
-    Args:
-        fractions: of the friction that sticks along each log. stiffnesses: of those, N m/rad.
-        level: of friction at rest. residual: of the balance, on the kept samples of all logs.
-    """
+    """Logs with sample weights before any law is fitted, from the fractions of the friction that
+    stick along each log, their stiffnesses, N m/rad, the level of friction at rest, and the
+    residual of the balance on the kept samples of all logs."""
     stuck = _behind_filter(prepared, fractions)
     pairs = zip(prepared.segments, stiffnesses, strict=True)
     unresolved = [np.minimum(k * s.noise.resolution, level) for s, k in pairs]
@@ -121,8 +109,7 @@ def _weighed(
 
 
 def _sticking(prepared: Prepared, fitted: Fit) -> list[Array]:
-    """Square of dz/dq, 1 in sticking and 0 in sliding, after the filter of the balance, shape
-    (n,)."""
+    """Square of dz/dq, 1 in sticking and 0 in sliding, after the balance's filter, (n,) each."""
     return _behind_filter(prepared, [rate for _, rate in prepared.tracks(fitted.shape)])
 
 

@@ -38,14 +38,12 @@ def of_drive(omega: Array, sample: float) -> Array:
 
 
 def holds(smooth: Sequence[Segment], held: Sequence[Segment]) -> bool:
-    """Whether the drive of logs is constant between samples, as judged by their torque balance.
+    """Whether the drive of logs is constant between samples, as judged by the torque balance of the
+    logs prepared without and with the corrections.
 
     Such a drive is half a sample late, which is easier to detect than its amplitude. It is constant
     if the residual with this delay and the corrections is smaller than the residual without
     corrections at any delay.
-
-    Args:
-        smooth, held: the same logs, prepared without and with the corrections.
     """
     without, left = _left(smooth), _left(held)
     half = abs(_LATE[np.argmin(left)] - 0.5) <= 0.15
