@@ -12,7 +12,6 @@ from frictionjoint.measured.derivatives import (
     HIGHEST,
     motion_band,
     on_a_grid,
-    uniform,
     uniform_motion,
 )
 from frictionjoint.measured.log import DRIVES, JointLog
@@ -92,15 +91,15 @@ class Recording:
             led={
                 name: track(uniform_motion(first.time, q, raw_time)) for name, q in others.items()
             },
-            drive={name: uniform(logs[name].time, x, time) for name, x in measured.items()},
+            drive={name: np.interp(time, logs[name].time, x) for name, x in measured.items()},
             filtered={
-                name: finer.back(finer.spectrum(uniform(logs[name].time, x, raw_time)))
+                name: finer.back(finer.spectrum(np.interp(raw_time, logs[name].time, x)))
                 for name, x in measured.items()
             },
             kinds=kinds,
             known={name: inside & _known(log, time) for name, log in logs.items()},
             temperature={
-                name: uniform(log.time, log.temperature, time)
+                name: np.interp(time, log.time, log.temperature)
                 for name, log in logs.items()
                 if log.temperature is not None
             },

@@ -9,7 +9,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.export.sliding import levels, stribeck_velocity
-from frictionjoint.measured.derivatives import HIGHEST, differentiate, uniform
+from frictionjoint.measured.derivatives import HIGHEST, differentiate
 from frictionjoint.measured.lowpass import LowPass, steep
 from frictionjoint.measured.readers import read_log
 from frictionjoint.parameters import Friction
@@ -108,7 +108,7 @@ def log_motions(path: Path, joints: list[str], columns: Mapping[str, str]) -> di
         corner = min(smooth.bandwidth_hz, HIGHEST / dt)
         filtered = LowPass(len(smooth.time), dt, corner, steep)
         others = {
-            name: filtered(uniform(log.time, x, smooth.time))
+            name: filtered(np.interp(smooth.time, log.time, x))
             for name, x in log.other_positions.items()
         }
         time = smooth.time - smooth.time[0]

@@ -17,7 +17,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import gammaincinv
 
 from frictionjoint.arrays import Array
-from frictionjoint.measured.derivatives import SAME_POSITION
+from frictionjoint.measured.derivatives import SAME_POSITION, power_density
 from frictionjoint.measured.lowpass import gentle, steep
 from frictionjoint.measured.repairs import interpolated, lone_readings
 
@@ -69,14 +69,12 @@ def density_above(x: Array, dt: float) -> float:
     The median is not affected by spectral lines. For a spectrum averaged over few segments the
     median is below the mean, and is corrected as for a chi-squared variable.
     """
-    from scipy.signal import welch
-
     # pieces of 1024 samples with a Hann window that overlap by half; the squared correlation of the
     # spectra of two is 1/36 (Welch 1967)
     window = min(len(x), 1024)
     # a single wrong reading has all frequencies, and is no noise
     x = interpolated(x, lone_readings(x))
-    f, power = welch(x, 1.0 / dt, nperseg=window, detrend="linear")
+    f, power = power_density(x, dt, window, detrend="linear")
     # these frequencies are taken to hold noise alone
     above = (f >= 0.25 / dt) & (f <= 0.45 / dt)
     if not above.any():
@@ -104,13 +102,11 @@ def noise_of(
 ) -> Noise:
     """Noise of a log, from drive and position as measured and the position behind the filter of the
     motion, each of shape (n,) on a uniform grid of step `dt`."""
-    from scipy.signal import welch
-
     error = np.zeros_like(smooth)
     if count > 0.0:
         error = np.round((smooth - position[0]) / count) * count + position[0] - smooth
     n = min(len(error), 4096)
-    f, made = welch(error, 1.0 / dt, nperseg=n, detrend="constant")
+    f, made = power_density(error, dt, n)
     level = np.maximum(made, density_above(position, dt))
     return Noise(density_above(drive, dt), f, level, inertia, count)
 
@@ -118,11 +114,9 @@ def noise_of(
 def corner_above_noise(torque: Array, dt: float, bandwidth_hz: float, corner_hz: float) -> float:
     """Corner, Hz, of the band in which the torque of a rigid body, every dt s, exceeds its noise,
     given the corners of the balance and of the motion that it was computed from."""
-    from scipy.signal import welch
-
     # 20 periods of the balance's corner
     window = min(len(torque), int(20.0 / (bandwidth_hz * dt)))
-    f, power = welch(torque, 1.0 / dt, nperseg=window)
+    f, power = power_density(torque, dt, window)
     inside = (f > 0.0) & (f <= corner_hz)
     f, power = f[inside], power[inside]
     ratio = f / corner_hz

@@ -36,7 +36,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import A_BALANCE, Drive, Prepared, Segment
 from frictionjoint.identify.tracks import path_of
 from frictionjoint.identify.zero_order_hold import holds, of_drive
-from frictionjoint.measured.derivatives import LEAST_HZ, motion_band, on_a_grid, uniform
+from frictionjoint.measured.derivatives import LEAST_HZ, motion_band, on_a_grid
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import REACH
 
@@ -139,19 +139,19 @@ def _segment(
     if controller is not None:
         commanded = Commanded(commands(log, controller), grid, (smooth,))
         values = commanded.commands.mean_drive()
-    measured = uniform(log.time, values, grid)
+    measured = np.interp(grid, log.time, values)
     if log.torque_enabled is not None:
-        enabled = uniform(log.time, log.torque_enabled.astype(float), t)
+        enabled = np.interp(t, log.time, log.torque_enabled.astype(float))
         driven = enabled > 0.999
         # a motor without voltage gives no torque; of any other drive that is off nothing is known
         mask &= _away_from_switching(enabled, edge) if kind == "voltage" else driven
         if kind == "voltage":
-            measured = np.where(uniform(t, driven.astype(float), grid) > 0.5, measured, 0.0)
+            measured = np.where(np.interp(grid, t, driven.astype(float)) > 0.5, measured, 0.0)
     held = band.zero_order_hold and controller is None
     more = partial(of_drive, sample=sample) if held else None
     drive = smooth.back(smooth.spectrum(measured), weight=more)
     per_drive = 1.0 if kind == "torque" else _per_torque(drive, rigid.load, motion.v)
-    unknown = uniform(log.time, body.at_limit(log.position).astype(float), t) > 0.0
+    unknown = np.interp(t, log.time, body.at_limit(log.position).astype(float)) > 0.0
     others: tuple[tuple[float, float], ...] = ()
     if controller is None:
         others = turned_by_another(log, values, t, drive - per_drive * rigid.load, motion.v)
@@ -180,7 +180,7 @@ def _segment(
             for name, triple in motion.others.items()
             for i, kind in enumerate(("position", "velocity", "acceleration"))
         }
-        | {name: uniform(log.time, x, t) for name, x in log.signals.items()},
+        | {name: np.interp(t, log.time, x) for name, x in log.signals.items()},
         # a reconstructed drive leaps with its target, and has no noise
         noise=noise if commanded is None else replace(noise, torque=0.0),
         driven_along=path_of(signals, noise.resolution),
@@ -208,7 +208,7 @@ def _signals(log: JointLog, motion: Motion) -> Array:
     # not a number where no thermometer was read
     signals[:, TEMP] = np.nan
     if log.temperature is not None:
-        signals[:, TEMP] = uniform(log.time, log.temperature, motion.time)
+        signals[:, TEMP] = np.interp(motion.time, log.time, log.temperature)
     return signals
 
 

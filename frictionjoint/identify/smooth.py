@@ -92,8 +92,8 @@ class SplineTerm(SmoothTerm):
         return out * signals[:, [H]] if self.odd else out
 
     def _basis(self, x: Array) -> Array:
-        """Cubic B-splines of uniform knots at x, shape (n, pieces + 2), without the last: all sum to
-        a constant."""
+        """Cubic B-splines of uniform knots at x, without the last, as all sum to a constant, shape
+        (n, pieces + 2)."""
         at = np.clip((x - self.low) / (self.high - self.low), 0.0, 1.0) * self.pieces
         piece = np.minimum(at.astype(int), self.pieces - 1)
         t = at - piece

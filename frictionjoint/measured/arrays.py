@@ -1,6 +1,7 @@
-"""Named arrays from npz and MATLAB files, as real columns of float64 or an error.
+"""Named arrays from npz, MATLAB and HDF5 files, as real columns of float64 or an error.
 
-Rows or columns of a matrix are named as in Python: ``q[0]``.
+Rows or columns of a matrix are named as in Python: ``q[0]``. HDF5 files are written by data sets of
+robot learning and by MATLAB 7.3; their arrays are named by path, ``observations/qpos[0]``.
 """
 
 import re
@@ -16,6 +17,10 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import matlab, mujoco_sysid
 
+HDF5_ENDINGS = (".h5", ".hdf5")
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+# bytes where it may stand: MATLAB has text of its own before it
+_PLACES = (0, 512)
 _PART = re.compile(r"(.+)\[(\d+)\]")
 
 
@@ -91,12 +96,7 @@ def npz_names(path: Path) -> list[str]:
 
 def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     with opened_npz(path) as archive:
-        arrays = mujoco_sysid.signals(archive) or archive
-        there = list(arrays)
-        # an array may have such a name itself
-        sources = {x: x if x in there else whole(x) for x in names}
-        used = {source: arrays[source] for source in {*sources.values()}}
-        return {name: column(path, name, used[x], x) for name, x in sources.items()}
+        return _columns(path, names, mujoco_sysid.signals(archive) or archive)
 
 
 def mat_names(path: Path) -> list[str]:
@@ -109,8 +109,7 @@ def mat_names(path: Path) -> list[str]:
 
 
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    sources = {name: whole(name) for name in names}
-    wanted = sorted({*sources.values()})
+    wanted = sorted({whole(name) for name in names})
     try:
         level_5 = matlab.is_level_5(path)
         content = matlab.arrays(path, wanted) if level_5 else loadmat(path, variable_names=wanted)
@@ -118,7 +117,48 @@ def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
         raise LogError(f"{path.name}, {error}") from None
     except Exception as error:
         raise corrupt(path, error) from None
-    missing = [name for name in wanted if name not in content]
-    if missing:
-        raise LogError(f"{path.name}: no variable {missing[0]!r}")
-    return {name: column(path, name, content[x], x) for name, x in sources.items()}
+    return _columns(path, names, content)
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether a file is HDF5, whatever its name."""
+    with path.open("rb") as file:
+        head = file.read(_PLACES[-1] + len(_SIGNATURE))
+    return any(head[at : at + len(_SIGNATURE)] == _SIGNATURE for at in _PLACES)
+
+
+def hdf5_names(path: Path) -> list[str]:
+    """Paths of the arrays of numbers in a file."""
+    found: list[str] = []
+
+    def add(name: str, item: Any) -> None:
+        numeric = hasattr(item, "dtype") and item.dtype.kind in "fiub"
+        if numeric and item.size > 1 and not name.startswith("#"):
+            found.append(name)
+
+    with _opened_hdf5(path) as file:
+        file.visititems(add)
+    return found
+
+
+def hdf5_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
+    with _opened_hdf5(path) as file:
+        return _columns(path, names, file)
+
+
+def _opened_hdf5(path: Path) -> Any:
+    try:
+        import h5py
+    except ImportError:
+        raise LogError(f"{path.name}: reading HDF5 needs h5py: pip install h5py") from None
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise corrupt(path, error) from None
+
+
+def _columns(path: Path, names: Iterable[str], arrays: Any) -> dict[str, Array]:
+    """Columns of arrays by name, or their named parts; an array may have such a name itself."""
+    sources = {x: x if x in arrays else whole(x) for x in names}
+    used = {source: arrays[source] for source in {*sources.values()}}
+    return {name: column(path, name, used[x], x) for name, x in sources.items()}

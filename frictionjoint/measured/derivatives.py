@@ -46,11 +46,6 @@ class MotionBand:
     whole: float
 
 
-def uniform(time: Array, x: Array, grid: Array) -> Array:
-    """A measured column on a uniform grid, by linear interpolation."""
-    return np.interp(grid, time, x)
-
-
 def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     """A measured position on a uniform grid, interpolated smoothly where the motion is curved.
 
@@ -59,7 +54,7 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     no oscillation. Where the curvature is below one encoder count, smooth pieces would follow the
     counts; there linear ones are used.
     """
-    straight = uniform(time, position, grid)
+    straight = np.interp(grid, time, position)
     pieces = Akima1DInterpolator(time, position, method="makima")
     smooth = np.asarray(pieces(np.clip(grid, time[0], time[-1])))
     apart = np.diff(np.sort(position))
@@ -68,16 +63,23 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     return smooth if bend > count / np.sqrt(12.0) else straight
 
 
+def power_density(x: Array, dt: float, samples: int, **options: str) -> tuple[Array, Array]:
+    """Frequencies, Hz, and one-sided density of a signal, shape (n,), every dt s, averaged over
+    windows that overlap by half; options as those of scipy's `welch`."""
+    from scipy.signal import welch  # takes half a second to import
+
+    found: tuple[Array, Array] = welch(x, 1.0 / dt, nperseg=samples, **options)
+    return found
+
+
 def motion_band(position: Array, dt: float) -> MotionBand:
     """Frequency bands of a motion, from its spectrum.
 
     In the second derivative, motion falls off towards high frequencies and position noise rises.
     The band of the motion ends at twice the frequency of the minimum between the two.
     """
-    from scipy.signal import welch
-
     n = len(position)
-    f, power = welch(position, 1.0 / dt, nperseg=min(n, max(1024, n // 4)), detrend="linear")
+    f, power = power_density(position, dt, min(n, max(1024, n // 4)), detrend="linear")
     f, power = f[1:], power[1:]
     # six bands per octave
     edges = np.geomspace(f[0], f[-1], max(2, int(6 * np.log2(f[-1] / f[0]))))
@@ -99,11 +101,9 @@ def motion_band(position: Array, dt: float) -> MotionBand:
 def position_noise(position: Array, dt: float, corner_hz: float) -> float:
     """Standard deviation of white position noise, from the spectrum above the motion, whose band
     ends at a corner, rad (m); of a position on a uniform grid of step dt, s, shape (n,)."""
-    from scipy.signal import welch
-
     # a window with side lobes so low that the motion does not leak into the noise
     n = min(len(position), 512)
-    f, power = welch(position, 1.0 / dt, "blackmanharris", n, detrend="linear")
+    f, power = power_density(position, dt, n, window="blackmanharris", detrend="linear")
     # noise alone is above one and a half times the corner, where the spectrum goes so far
     above = f >= min(1.5 * corner_hz, HIGHEST / dt)
     # a median, which a line of the mains does not raise; the power of noise is chi-square

@@ -13,8 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured import hdf5, parquet, repairs, text_table, validate
-from frictionjoint.measured.arrays import mat_columns, mat_names, npz_columns, npz_names, whole
+from frictionjoint.measured import arrays, parquet, repairs, text_table, validate
 from frictionjoint.measured.columns import (
     check_names,
     choose,
@@ -28,12 +27,12 @@ from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
 
-TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat", *hdf5.ENDINGS)
+TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat", *arrays.HDF5_ENDINGS)
 _Arrays = tuple[Callable[[Path], list[str]], Callable[[Path, list[str]], dict[str, Array]]]
 _ARRAYS: dict[str, _Arrays] = {
-    ".npz": (npz_names, npz_columns),
-    ".mat": (mat_names, mat_columns),
-    **dict.fromkeys(hdf5.ENDINGS, (hdf5.hdf5_names, hdf5.hdf5_columns)),
+    ".npz": (arrays.npz_names, arrays.npz_columns),
+    ".mat": (arrays.mat_names, arrays.mat_columns),
+    **dict.fromkeys(arrays.HDF5_ENDINGS, (arrays.hdf5_names, arrays.hdf5_columns)),
 }
 _SHARED = ("time_s", "temperature_c", "supply_v", "torque_enabled")
 
@@ -188,12 +187,12 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
     requested, see `read_table`."""
     if path.suffix.lower() in text_table.ENDINGS:
         return bare_names(path) if is_bare(path) else text_table.header(path)
-    arrays = _arrays(path)
-    if not arrays:
+    reader = _arrays(path)
+    if not reader:
         return parquet.column_names(path)
-    names = arrays[0](path)
+    names = reader[0](path)
     asked = dict.fromkeys((columns or {}).values())
-    return [*names, *(x for x in asked if x not in names and whole(x) in names)]
+    return [*names, *(x for x in asked if x not in names and arrays.whole(x) in names)]
 
 
 def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
@@ -202,8 +201,8 @@ def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
         if is_bare(path):
             return bare_columns(path, names)
         return text_table.read_columns(path, names, time)
-    if arrays := _arrays(path):
-        return arrays[1](path, names)
+    if reader := _arrays(path):
+        return reader[1](path, names)
     return {name: parquet.read_column(path, name, name == time) for name in names}
 
 
@@ -211,4 +210,4 @@ def _arrays(path: Path) -> _Arrays | None:
     """Functions for the names and the columns of a file of arrays; None for other tables."""
     kind = path.suffix.lower()
     # MATLAB 7.3 writes HDF5
-    return _ARRAYS.get(".h5" if kind == ".mat" and hdf5.is_hdf5(path) else kind)
+    return _ARRAYS.get(".h5" if kind == ".mat" and arrays.is_hdf5(path) else kind)
