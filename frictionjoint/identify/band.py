@@ -9,11 +9,9 @@ from scipy.ndimage import maximum_filter1d
 
 @dataclass(frozen=True)
 class Band:
-    """Corners of the two filters, Hz: of the torque balance, and of the motion.
-
-    zero_order_hold: whether a measured drive is constant from one sample to the next.
-    sensor_saturates: whether samples at the end of a drive's range are not used.
-    """
+    """Corners of the filters of the torque balance and of the motion, Hz; whether a measured drive
+    is constant from one sample to the next, and whether samples at the end of its range are
+    unused."""
 
     balance: float
     motion: float
@@ -22,9 +20,7 @@ class Band:
 
 
 def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDArray[np.bool_]:
-    """Samples at least one period of the filter's corner away from unknown torque, shape (n,).
-
-    The filter spreads unknown torque over that time.
-    """
+    """Samples at least one period of the filter's corner away from unknown torque, which the filter
+    spreads over that time, shape (n,)."""
     reach = max(1, int(1.0 / (bandwidth_hz * dt)))
     return np.asarray(~maximum_filter1d(unknown, 2 * reach + 1, mode="constant", cval=False))

@@ -24,13 +24,9 @@ CONSTRAINT: tuple[Shape, ...] = (ConstraintShape(start_of(StaticParameters)),)
 def base_fit(
     prepared: Prepared, law: str, progress: Callable[[str], None] = lambda text: None
 ) -> tuple[Prepared, Fit]:
-    """The law alone, fitted to logs, with the weights that follow from it.
-
-    The law has no contact damping and no assumed stiffness; both are decided last.
-
-    Raises:
-        ParameterError: no law has this name.
-    """
+    """The law alone, fitted to logs, with the weights that follow from it; it has no contact
+    damping and no assumed stiffness, which are decided last. ParameterError: no law has this
+    name."""
     forms = forms_of(law)
     prepared, found = law_alone(prepared, forms, progress)
     if slowed(prepared, found, forms):
@@ -43,12 +39,8 @@ def base_fit(
 
 
 def slowed(prepared: Prepared, found: Fit, forms: Sequence[Shape]) -> tuple[Prepared, Fit] | None:
-    """The logs and a fit without the usual bound of the Stribeck velocity.
-
-    Returns:
-        None unless the fitted Stribeck velocity is at that bound, and at most half of the sum of
-        squares remains without the bound.
-    """
+    """The logs and a fit without the usual bound of the Stribeck velocity; None unless the velocity
+    is at that bound, and at most half of the sum of squares remains without it."""
     shape = found.shape
     if prepared.slow or "log Vs" not in shape.variables:
         return None

@@ -49,11 +49,7 @@ class Bodies:
         return [body.model for body in self._bodies.values()]
 
     def of(self, logs: Sequence[JointLog]) -> list[RigidBody]:
-        """The body of each log.
-
-        Raises:
-            ModelError: no pattern matches a log.
-        """
+        """The body of each log; ModelError: no pattern matches a log."""
         return [self._of(log) for log in logs]
 
     def _of(self, log: JointLog) -> RigidBody:

@@ -24,11 +24,7 @@ Output = Callable[[AllCommands, Array, Array], Array]
 
 @dataclass(frozen=True)
 class Commanded:
-    """Commands of a log and the way to its drive on the grid of a fit.
-
-    Attributes:
-        grid: s, uniform times of the samples, shape (m,). filters: applied in order.
-    """
+    """Commands of a log, and the filters that lead to its drive on the uniform grid of a fit, s."""
 
     commands: Commands
     grid: Array

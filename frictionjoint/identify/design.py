@@ -38,11 +38,7 @@ _STEP = 0.015
 
 
 class Balance:
-    """The torque balance of some logs, for models with one law and one list of terms.
-
-    Attributes:
-        prepared: the logs. layout: of the model's parameters. span: longest travel of a log.
-    """
+    """The torque balance of some logs, for models with one law and one list of terms."""
 
     def __init__(self, prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> None:
         self.prepared = prepared
@@ -54,12 +50,8 @@ class Balance:
     def columns(
         self, law: Shape, terms: tuple[Term, ...], beta: Array | None = None
     ) -> tuple[Array, Array]:
-        """Columns, shape (n, k), and target, shape (n,), on the kept samples of all logs.
-
-        Args:
-            beta: coefficients that give the motor torque; without them, columns that depend on it
-                are zero, see `with_motor`.
-        """
+        """Columns, shape (n, k), and target, shape (n,), on the kept samples of all logs. Without
+        the coefficients, those that depend on the motor torque are zero, see `with_motor`."""
         whole = np.concatenate(self._each(partial(self._some_columns, law, terms)))
         y = np.concatenate(self._each(partial(self._target, terms)))
         if beta is not None:
@@ -69,14 +61,8 @@ class Balance:
     def moves(
         self, law: Shape, terms: tuple[Term, ...], beta: Array, through_terms: bool = True
     ) -> Array:
-        """Derivative of columns times `beta` minus target by every nonlinear number, shape (n, m).
-
-        The law's numbers are differentiated through its kernel.
-
-        Args:
-            through_terms: whether to include changes of terms that follow the law, which a search
-                omits.
-        """
+        """Derivative of columns times `beta` minus target by every nonlinear number, shape (n, m),
+        of terms that follow the law only if `through_terms`, which a search omits."""
         make = partial(self._some_moves, law, terms, beta, through_terms)
         return np.concatenate(self._each(make))
 
@@ -260,11 +246,7 @@ class Balance:
 
 
 def reaches(term: Term, span: float) -> list[tuple[float, float]]:
-    """Each free shape number of a term, and by how much one search may change it.
-
-    Args:
-        span: travel of the joint.
-    """
+    """Each free shape number of a term, and by how much one search may change it, by the travel."""
     found = []
     for i, x in enumerate(term.free_shape):
         if isinstance(term, Timing):

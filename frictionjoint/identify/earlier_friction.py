@@ -12,16 +12,9 @@ from frictionjoint.simulate.uninstall import carrying, take_out
 def before_friction(
     model: str | Path, joints: Collection[str]
 ) -> tuple[str | Path, tuple[str, ...]]:
-    """A model without friction of this package at some joints, to identify it again.
-
-    Args:
-        model: path or text of an MJCF or URDF.
-    Returns:
-        the model itself if none of the joints has friction, else the text of an MJCF; and the
-            joints that had friction.
-    Raises:
-        ModelError: the model does not compile, or a block is damaged.
-    """
+    """A model, the path or text of an MJCF or URDF, without friction of this package at some
+    joints, to identify it again: itself if there is none, else the text of an MJCF; and the joints
+    that had friction. ModelError: the model does not compile, or a block is damaged."""
     spec = read_spec(model)
     there = [name for name in carrying(spec) if name in joints]
     if not there:

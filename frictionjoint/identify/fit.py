@@ -68,10 +68,8 @@ class Fit:
 
     @property
     def over_kp(self) -> bool:
-        """Whether the drive is a controller's torque divided by its unknown kp.
-
-        A fit treats a torque of unknown gain like a current; this one is an error of position.
-        """
+        """Whether the drive is a controller's torque divided by its unknown kp, an error of
+        position, which a fit treats like a current: as a torque of unknown gain."""
         return self.commanded and self.drive == "current"
 
     @property
@@ -209,10 +207,7 @@ def unreached(fitted: Fit) -> Array:
     """First-order estimate of the part of each squared residual that a fit could still remove.
 
     A search that stops before a minimum has already tried the first-order step without success, so
-    the residual of the fit is valid, not the smaller first-order value.
-
-    Returns:
-        N m^2, shape (n,).
+    the residual of the fit is valid, not the smaller first-order value. (N m)^2, shape (n,).
     """
     w = fitted.weight
     left = fitted.residual * w

@@ -89,13 +89,8 @@ def check_signs(prepared: Prepared) -> None:
 
 
 def check(prepared: Prepared) -> None:
-    """Check that the drive of logs can be that of the model's joint along their motion.
-
-    Args:
-        prepared: logs of one joint, before any fit.
-    Raises:
-        LogError: a sign is wrong, the model explains next to nothing, or a unit is too large.
-    """
+    """Check before any fit that the drive of logs can be that of the model's joint along their
+    motion; LogError: a sign is wrong, the model explains next to nothing, a unit is too large."""
     balance = _balance(prepared)
     names = few([s.name for s in prepared.segments])
     if not balance.drive.any():
@@ -176,10 +171,7 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
 
 
 def _check_drive_changes(prepared: Prepared, names: str) -> None:
-    """Reject a drive with constant magnitude and unknown scale.
-
-    It cannot be distinguished from a constant friction level.
-    """
+    """Reject a drive of constant magnitude and unknown scale, which looks like a friction level."""
     drive = np.concatenate([s.drive for s in prepared.segments])
     v = np.concatenate([s.signals[:, V] for s in prepared.segments])
     # Above a tenth of the top speed, and outside reversals (a fifth of the samples), the magnitude

@@ -34,13 +34,8 @@ def joint_label(model: mujoco.MjModel, j: int) -> str:
 def resolve(
     model: mujoco.MjModel, joint_id: int, fixed: Mapping[str, Pose] | None
 ) -> dict[int, Array]:
-    """Positions by the index of the joint.
-
-    Args:
-        joint_id: of the examined joint, which cannot be held.
-    Raises:
-        ModelError: no such joint, or not a position of its kind.
-    """
+    """Positions by the index of the joint; ModelError: no such joint, the examined one, which
+    cannot be held, or not a position of its kind."""
     found = {}
     for name, value in (fixed or {}).items():
         j = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)

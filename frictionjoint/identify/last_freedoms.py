@@ -20,10 +20,8 @@ from frictionjoint.threads import side_by_side
 
 
 def with_last_freedoms(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
-    """Logs and fit with each of these options that clearly reduces the residual.
-
-    The law's error determines the weights of the samples, so they change with it.
-    """
+    """Logs and fit with each of these options that clearly reduces the residual, reweighed as the
+    law's error determines the weights."""
     found = _with_sharp_sliding(prepared, fitted)
     for free in (IntegratedShape.with_damping, IntegratedShape.by_direction):
         shape = found.shape
@@ -46,10 +44,7 @@ def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:
 
 
 def _best_form(prepared: Prepared, fitted: Fit) -> Fit:
-    """The model with the form of the integrated law that has the smallest residual.
-
-    The best form can change when a parameter is added.
-    """
+    """The model with the best form of the integrated law, which changes with an added parameter."""
     shape = fitted.shape
     assert isinstance(shape, IntegratedShape)
     others = [replace(shape, form=other.form) for other in INTEGRATED if other.form != shape.form]

@@ -88,12 +88,8 @@ class LawBasis:
     def fitted(
         self, nominal: Shape, terms: tuple[Term, ...], weight: Array, damped: bool = True
     ) -> LinearLaw:
-        """Least-squares fit of the law together with some terms.
-
-        Args:
-            nominal: law for terms that depend on a law. weight: of each kept sample, shape (n,).
-            damped: whether the elements have damping.
-        """
+        """Least-squares fit of the law, damped or not, together with some terms, which may follow a
+        nominal law, with a weight of each kept sample, shape (n,)."""
         others, y = Balance(self.prepared, nominal, terms).columns(nominal, terms)
         names = layout_of(self.prepared, nominal, terms).base
         others = np.delete(others, [names.index(x) for x in ("Fc", "sigma1") if x in names], 1)

@@ -16,9 +16,8 @@ class Layout:
     """Parameters of a law with terms.
 
     Attributes:
-        base: names of the linear coefficients of the law: load (if the gain of the drive is
-            unknown), sigma2, Fc, sigma1. law: names of the numbers of its shape.
-        terms: of the model.
+        base: names of the law's linear coefficients: load (if the gain of the drive is unknown),
+            sigma2, Fc, sigma1. law: names of the numbers of its shape.
     """
 
     base: tuple[str, ...]

@@ -18,9 +18,8 @@ def turned_by_another(
     """Start and end of each part in which another drive turns the joint, s in the log's time.
 
     Args:
-        values: of the log's drive, at its samples. grid: times of the balance, s, shape (n,).
-        lost: drive minus rigid-body torque, in units of the drive, shape (n,).
-        velocity: rad/s (m/s), shape (n,).
+        values: of the log's drive, at its samples. grid: times of the balance, s, shape (n,), of
+            `lost`, drive minus rigid-body torque in units of the drive, and of the velocity.
     """
     silent = [
         (float(log.time[a]), float(log.time[b - 1]))

@@ -120,10 +120,8 @@ class RigidBody:
         return np.maximum(low - position, position - high)
 
     def at_limit(self, position: Array) -> NDArray[np.bool_]:
-        """Whether the joint is at a limit, whose torque no motion determines, shape (n,).
-
-        It is False everywhere if the joint moves far beyond the limit: then the limit belongs to
-        another joint, or the zero position differs.
+        """Whether the joint is at a limit, whose torque no motion determines, shape (n,); False
+        everywhere if it moves far beyond the limit, which is another joint's or has another zero.
         """
         low, high = self.limits
         beyond = self.beyond_limits(position)
@@ -207,11 +205,8 @@ class RigidBody:
         return RigidBodyTorque(load, gx, gy, sag, sway, inertia, coupling, unknown)
 
     def _of_tendons(self, velocity: Mapping[int, Array], n: int) -> tuple[Array, Array | None]:
-        """Torque of the Coulomb friction of tendons between joints, and how much of it is unknown.
-
-        Args:
-            velocity: of joints that move, by index, shape (n,).
-        """
+        """Torque of the Coulomb friction of tendons between joints, and how much of it is unknown,
+        from the velocities, shape (n,), of joints that move, by index."""
         model, load, unknown = self.model, np.zeros(n), np.zeros(n)
         for t in np.flatnonzero(model.tendon_frictionloss):
             wraps = int(model.tendon_adr[t]) + np.arange(int(model.tendon_num[t]))

@@ -183,11 +183,7 @@ def prompt_maxwell_slip() -> tuple[Shape, ...]:
 
 
 def forms_of(law: str) -> tuple[Shape, ...]:
-    """The forms of a law that a fit tries.
-
-    Raises:
-        ParameterError: no law has this name.
-    """
+    """The forms of a law that a fit tries; ParameterError: no law has this name."""
     if law == FrictionParameters.law:
         return INTEGRATED
     for rival in RIVALS:

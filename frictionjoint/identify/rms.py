@@ -18,11 +18,8 @@ class Rms:
 
     @property
     def only_fitted(self) -> bool:
-        """Whether the error on fitted logs is less than half of the error on held-out logs.
-
-        In that case the model predicts held-out logs badly, however small the error on fitted logs
-        is.
-        """
+        """Whether the error on fitted logs is less than half of that on held-out logs, which the
+        model then predicts badly, however small it is on fitted logs."""
         if self.fit is None or self.held_out is None:
             return False
         return self.fit < 0.5 * self.held_out

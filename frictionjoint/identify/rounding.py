@@ -38,9 +38,5 @@ def best_of(items: Sequence[_T], cost: Callable[[_T], float]) -> _T:
 
 
 def first_least(costs: Array) -> Index:
-    """First row with the smallest cost in each column, shape (m,).
-
-    Args:
-        costs: not negative, shape (k, m).
-    """
+    """First row with the smallest cost in each column, shape (m,), of costs >= 0, shape (k, m)."""
     return np.asarray(np.argmax(costs <= costs.min(axis=0) * (1.0 + EQUAL), axis=0))

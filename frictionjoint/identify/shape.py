@@ -54,11 +54,8 @@ class Shape(Protocol):
         return False
 
     def with_assumed_stiffness(self, reach: float) -> Self:
-        """This shape with an assumed stiffness that is not searched; itself if it is searched.
-
-        Args:
-            reach: the shortest presliding length that the logs resolve, rad (m).
-        """
+        """This shape with an assumed stiffness, from the shortest presliding length that the logs
+        resolve, rad (m), that is not searched; itself if it is searched."""
         return self
 
     def vector(self) -> Array:
@@ -85,22 +82,15 @@ class Shape(Protocol):
         """This shape with Fs = (1 + excess) Fc in both directions, not searched."""
 
     def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
-        """H = Fh / Fc, and the factor of velocity in dz/dt, along motions, each of shape (n,).
-
-        Args:
-            edges: start of each motion and end of the last.
-        """
+        """H = Fh / Fc, and the factor of velocity in dz/dt, each of shape (n,), along motions;
+        their edges are the start of each motion and the end of the last."""
 
     def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
         """`hysteresis`, and the derivatives of both by `vector`, each of shape (k, n)."""
 
 
 class KernelShape(Shape):
-    """A shape whose law has a kernel.
-
-    Attributes:
-        law: the class of its parameters.
-    """
+    """A shape whose law, given by the class of its parameters, has a kernel."""
 
     law: Any
 
@@ -155,11 +145,7 @@ def length_bounds(span: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Form:
-    """Discrete choices in the law; a fit tries each.
-
-    Attributes:
-        n: exponent of the transition to sliding. variant, virgin: see `FrictionParameters`.
-    """
+    """Discrete choices in the law, see `FrictionParameters`; a fit tries each."""
 
     n: float
     variant: Variant
@@ -254,10 +240,8 @@ class IntegratedShape(KernelShape):
         return np.array(least), np.array(most)
 
     def started(self, start: LawStart) -> list[Self]:
-        """Starting shapes: with the estimated transition curve, and with a straight one.
-
-        A straight one is sufficient because a small n makes the loops curved enough.
-        """
+        """Starting shapes, with the estimated transition curve and with a straight one, which is
+        sufficient where a small n makes the loops curved enough."""
         # a bend that is smaller or larger at the start cannot move
         straight = 0.95
         first, second = np.clip(start.bend, 0.03, straight)

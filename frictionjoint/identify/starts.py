@@ -87,11 +87,8 @@ def _first_look(prepared: Prepared, forms: Sequence[Shape]) -> tuple[Prepared, S
 def with_times(
     prepared: Prepared, made: Callable[[Prepared], Fit], open_times: tuple[type[Timing], ...]
 ) -> tuple[Prepared, Fit]:
-    """Logs and a fit of them, without time offsets that reach the end of their range.
-
-    An offset at the end of its range is not a sampling offset: it replaces an error of the inertia
-    that is too large for any offset within a sample.
-    """
+    """Logs and a fit of them, without time offsets that reach the end of their range: they are no
+    sampling offsets, but replace an inertia error too large for any offset within a sample."""
     found = made(prepared)
     ended = {t.name for t in found.terms if isinstance(t, open_times) and t.at_its_end}
     if ended:

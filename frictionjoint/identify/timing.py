@@ -15,11 +15,7 @@ from frictionjoint.identify.terms import Term
 
 @dataclass(frozen=True)
 class Timing(Term):
-    """A time offset that is fitted together with the law, see `terms.Term`.
-
-    Attributes:
-        sample: sampling interval of the log, s. shape: the offset, s. within: its range, samples.
-    """
+    """A time offset, s, that is fitted together with the law, within a range in samples."""
 
     sample: float
     shape: tuple[float, ...] = (0.0,)
@@ -92,19 +88,15 @@ class TargetTiming(Timing):
 
 
 class VelocityAge(Timing):
-    """Age of the velocity in a controller's damping.
-
-    For a drive computed from commands: the delayed part is an acceleration that looks like inertia.
-    """
+    """Age of the velocity in a controller's damping, which computes the drive from commands: the
+    delayed part is an acceleration that looks like inertia."""
 
     name = "age of the velocity"
 
 
 class DampingAge(Timing):
-    """Age of the velocity in viscous friction, in the log of a simulation.
-
-    Its damping acts at the end or at the beginning of a step; a log contains the middle.
-    """
+    """Age of the velocity in viscous friction, in the log of a simulation, whose damping acts at
+    the end or at the beginning of a step; a log contains the middle."""
 
     name = "age of the damping"
     # a step is no longer than a sample

@@ -149,10 +149,8 @@ class Tracks:
         return self._samples(self._paths[2][:-1])
 
     def _whole(self, law: Shape) -> tuple[Array, Array, Index, Index]:
-        """Time, position and edges of the motions for a law, and the indices of the logs' samples.
-
-        A log with initial friction is preceded by an approach to that friction.
-        """
+        """Time, position and edges of the motions for a law, each preceded by an approach to its
+        initial friction, if any, and the indices of the logs' samples."""
         time, q, edges = self._paths
         held = [i for i, start in enumerate(self.starts) if start.held]
         if not held:
@@ -172,11 +170,7 @@ class Tracks:
 
 def _approaches(law: Shape, starts: list[Start]) -> list[Array]:
     """Positions, one second apart, over which a law that never moved reaches the initial friction
-    of logs.
-
-    The motion before a log is unknown; a monotonic approach is assumed. A law that cannot reach the
-    friction is brought to its largest.
-    """
+    of logs, or its largest: a monotonic approach is assumed, as the motion before is unknown."""
     held = np.array([start.held for start in starts])
     sizes = np.sign(held) * [start.travel or 1.0 for start in starts]
     ways = np.outer(sizes, _WAY)

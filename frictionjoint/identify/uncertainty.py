@@ -67,10 +67,8 @@ def _sandwich(Y: Array, e: Array, group: Index) -> Array:
 
 
 def _jackknife(Y: Array, e: Array, group: Index) -> Array:
-    """Spread of the parameters when each group in turn is left out, to first order.
-
-    Without a group the parameters move by (1 - Y_g'Y_g)^-1 Y_g'e_g (Miller 1974).
-    """
+    """Spread of the parameters when each group in turn is left out, to first order: they move by
+    (1 - Y_g'Y_g)^-1 Y_g'e_g (Miller 1974)."""
     moves = []
     for y, own in _parts(Y, e, group):
         share, U = eigh(y.T @ y)
