@@ -72,11 +72,6 @@ class Recording:
         finer = LowPass(len(raw_time), sample, corner, steep, every, up)
         step, n = sample * every / up, finer.given
         time = raw_time[0] + step * np.arange(n)
-
-        def track(position: Array) -> tuple[Array, Array, Array]:
-            spectrum = finer.spectrum(position)
-            return finer.back(spectrum), finer.back(spectrum, 1), finer.back(spectrum, 2)
-
         others = {n: q for n, q in first.other_positions.items() if n not in logs}
         kinds = {name: _kind(log) for name, log in logs.items()}
         edge = int(REACH / (corner * step))
@@ -87,14 +82,14 @@ class Recording:
             logs=dict(logs),
             time=time - time[0],
             step=step,
-            motion={name: track(position) for name, position in raw.items()},
+            motion={name: finer.motion(position) for name, position in raw.items()},
             led={
-                name: track(uniform_motion(first.time, q, raw_time)) for name, q in others.items()
+                name: finer.motion(uniform_motion(first.time, q, raw_time))
+                for name, q in others.items()
             },
             drive={name: np.interp(time, logs[name].time, x) for name, x in measured.items()},
             filtered={
-                name: finer.back(finer.spectrum(np.interp(raw_time, logs[name].time, x)))
-                for name, x in measured.items()
+                name: finer(np.interp(raw_time, logs[name].time, x)) for name, x in measured.items()
             },
             kinds=kinds,
             known={name: inside & _known(log, time) for name, log in logs.items()},

@@ -57,17 +57,11 @@ def motion_of(log: JointLog, body: RigidBody, corner_hz: float, held: bool) -> M
     corner = min(corner_hz, HIGHEST / sample)
     smooth = LowPass(len(raw_time), sample, corner, steep, step, up)
     dt = sample * step / up
-    n = -(-((len(raw_time) - 1) * up + 1) // step)
-    time = raw_time[0] + dt * np.arange(n)
+    time = raw_time[0] + dt * np.arange(smooth.given)
     more = partial(of_acceleration, sample=sample) if held else None
-
-    def track(position: Array) -> tuple[Array, Array, Array]:
-        spectrum = smooth.spectrum(position)
-        return smooth.back(spectrum), smooth.back(spectrum, 1), smooth.back(spectrum, 2, 0.0, more)
-
-    q, v, a = track(raw)
+    q, v, a = smooth.motion(raw, more)
     others = {
-        name: track(uniform_motion(log.time, position, raw_time))
+        name: smooth.motion(uniform_motion(log.time, position, raw_time), more)
         for name, position in log.other_positions.items()
     }
     named = {name: triple for name, triple in others.items() if name in body.joint_names}

@@ -9,6 +9,7 @@ wrong by up to both levels for that step. So the path of a law has additional po
 reversal, and the balance uses the law's mean over each step. Elsewhere point and mean agree.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -86,6 +87,11 @@ def fill_grid(x: Array, samples: Index, averaged: NDArray[np.bool_], out: Array)
                 out[i, j] = x[i, at]
 
 
+# time and position of motions one after the other, the start of each and the end of the last, and
+# the indices of the logs' samples
+Motions = tuple[Array, Array, Index, Index]
+
+
 class Start(NamedTuple):
     """Initial state of a log: friction over Fc, position and travel of the whole log, rad (m)."""
 
@@ -128,44 +134,33 @@ class Tracks:
         return found
 
     @cached_property
-    def _paths(self) -> tuple[Array, Array, Index]:
-        """Time, position and edges of the logs themselves."""
-        time = np.concatenate([path.time for path in self.paths])
-        q = np.concatenate([path.position for path in self.paths])
-        return time, q, np.cumsum([0, *(len(path.time) for path in self.paths)])
-
-    @cached_property
     def _averaged(self) -> NDArray[np.bool_]:
         return np.concatenate([path.averaged for path in self.paths])
 
-    def _samples(self, begin: Index) -> Index:
-        """Indices of all samples, if the path of each log starts at a given index."""
-        parts = zip(self.paths, begin.tolist(), strict=True)
-        return np.concatenate([first + path.samples for path, first in parts])
-
-    @cached_property
-    def _own_samples(self) -> Index:
-        """Indices of the samples if no log is preceded by an approach."""
-        return self._samples(self._paths[2][:-1])
-
-    def _whole(self, law: Shape) -> tuple[Array, Array, Index, Index]:
-        """Time, position and edges of the motions for a law, each preceded by an approach to its
-        initial friction, if any, and the indices of the logs' samples."""
-        time, q, edges = self._paths
+    def _whole(self, law: Shape) -> Motions:
+        """The motions for a law, each preceded by an approach to its initial friction, if any."""
         held = [i for i, start in enumerate(self.starts) if start.held]
         if not held:
-            return time, q, edges, self._own_samples
-        before = dict(zip(held, _approaches(law, [self.starts[i] for i in held]), strict=True))
-        times, positions, begin, lengths = [], [], [], [0]
+            return self._alone
+        ways = _approaches(law, [self.starts[i] for i in held])
+        return self._preceded(dict(zip(held, ways, strict=True)))
+
+    @cached_property
+    def _alone(self) -> Motions:
+        return self._preceded({})
+
+    def _preceded(self, ways: Mapping[int, Array]) -> Motions:
+        """The motions, some of them preceded by an approach, by the index of the log."""
+        times, positions, edges, samples = [], [], [0], []
         for i, path in enumerate(self.paths):
-            way = before.get(i, np.zeros(0))
+            way = ways.get(i, np.zeros(0))
             times += [path.time[0] + np.arange(-len(way), 0.0), path.time]
             positions += [way, path.position]
-            begin.append(len(way))
-            lengths.append(len(way) + len(path.time))
-        edges = np.cumsum(lengths)
-        samples = self._samples(edges[:-1] + begin)
-        return np.concatenate(times), np.concatenate(positions), edges, samples
+            first = edges[-1] + len(way)
+            samples.append(first + path.samples)
+            edges.append(first + len(path.time))
+        time, q, indices = (np.concatenate(x) for x in (times, positions, samples))
+        return time, q, np.array(edges), indices
 
 
 def _approaches(law: Shape, starts: list[Start]) -> list[Array]:

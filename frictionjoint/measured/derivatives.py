@@ -122,9 +122,7 @@ def differentiate(log: JointLog, bandwidth_hz: float | None = None) -> Derivativ
     if not bandwidth_hz > 0.0:
         raise LogError(f"bandwidth {bandwidth_hz} Hz: give a positive number")
     smooth = LowPass(len(time), dt, min(bandwidth_hz, HIGHEST / dt), steep)
-    spectrum = smooth.spectrum(position)
-    q, v, a = (smooth.back(spectrum, k) for k in range(3))
-    return Derivatives(time, q, v, a, bandwidth_hz)
+    return Derivatives(time, *smooth.motion(position), bandwidth_hz)
 
 
 def followed(log: JointLog) -> Derivatives:

@@ -90,6 +90,14 @@ class LowPass:
         (m,), with a `weight` of the amplitude by angular frequency, rad/s, 1 at zero."""
         return np.asarray(self._alone.back([spectrum], derivative, delay, weight)[0])
 
+    def motion(
+        self, position: Array, weight: Callable[[Array], Array] | None = None
+    ) -> tuple[Array, Array, Array]:
+        """A filtered position, velocity and acceleration, the last with a weight, see `back`."""
+        spectrum = self.spectrum(position)
+        q, v = self.back(spectrum), self.back(spectrum, 1)
+        return q, v, self.back(spectrum, 2, 0.0, weight)
+
     @cached_property
     def _alone(self) -> "LowPasses":
         return LowPasses([self])
@@ -245,15 +253,11 @@ def _fill_continued(
     whole: Array,
     ends: Array,
 ) -> None:
-    """Fill `whole` with signals without their chords, reflected about both ends and faded out.
+    """Fill `whole`, zeros of shape (logs, k, m), with the rows x, shape (k, n), of all logs without
+    their chords, reflected about both ends and faded out.
 
-    Without the line through its first and last sample, `ends`, a signal continues with the same
-    value and slope when it is rotated about its ends.
-
-    Args:
-        x: rows, shape (k, n). begin, n: start and samples of each log. pad, tail: samples of its
-            continuations. fade: see `LowPass.fade`, shape (logs, most). whole: zeros, shape (logs,
-            k, m). ends: shape (logs, k, 2).
+    Without the line through its first and last sample, `ends`, shape (logs, k, 2), a signal
+    continues with the same value and slope when it is rotated about its ends.
     """
     for i in range(len(n)):
         a, count, before = begin[i], n[i], pad[i]
@@ -286,12 +290,8 @@ def _fill_back(
     derivative: int,
     out: Array,
 ) -> None:
-    """Fill `out` with the filtered signals, including the contribution of their chords.
-
-    Args:
-        x: inverse transforms, shape (logs, k, m). begin, given: start and samples of each log in
-            the rows of `out`. first: index of its first sample in x. n: input samples.
-    """
+    """Fill `out` with the filtered signals of inverse transforms x, shape (logs, k, m), including
+    the contribution of their chords."""
     for i in range(len(n)):
         a, b = begin[i], first[i]
         for k in range(len(out)):
