@@ -132,7 +132,6 @@ class Search:
         self._at_law = law.vector()
         # searches from several starts run side by side: read once
         self._last: tuple[bytes, Solution] | None = None
-        self._split: tuple[bytes, tuple[Shape, tuple[Term, ...]]] | None = None
 
     def _ranges(self, law: Shape, terms: tuple[Term, ...]) -> tuple[Array, Array]:
         """Ranges of the numbers of a law, and of those of terms around their present values."""
@@ -173,9 +172,6 @@ class Search:
 
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
         """The law and the terms at a point."""
-        key, known = x.tobytes(), self._split
-        if known is not None and known[0] == key:
-            return known[1]
         terms = []
         for i, term in enumerate(self.terms):
             moved = tuple(float(n) for n in x[self.layout.searched(i)])
@@ -184,8 +180,7 @@ class Search:
         # the law that a search starts from is known along the logs, unlike one that differs from it
         # by rounding
         law = self.law if np.array_equal(numbers, self._at_law) else self.law.moved(numbers)
-        self._split = key, (law, tuple(terms))
-        return self._split[1]
+        return law, tuple(terms)
 
     def run(self, x: Array, steps: int, closeness: float) -> Place:
         """Result of some steps from x; finally, discontinuous numbers are also searched in

@@ -37,10 +37,8 @@ class Segment:
     """One prepared log.
 
     Attributes:
-        name: of the log.
-        dt: s between samples of the grid.
-        bandwidth_hz: corner of the filter of the balance.
-        step: one in `step` samples of the balance is kept for the fit.
+        dt: s between samples of the grid. step: one in `step` samples is kept for the fit.
+        bandwidth_hz: corner of the filter of the balance. corner_hz: of that of the motion.
         signals: shape (n, N_SIGNALS) on the grid; H and DTAU are filled by a fit.
         drive: torque, voltage or current after the filter of the motion, shape (n,).
         driven: shape (n,), False while the motor is off: its leads are open, so neither a voltage
@@ -48,7 +46,6 @@ class Segment:
         mask: shape (n,), False where the torque is unknown or a filter edge spoils the sample.
         others: further measured quantities by name, for unexplained dependences.
         noise: of the instruments. sample: sampling interval of the log itself, s.
-        corner_hz: of the filter of the motion.
         commanded: for an unmeasured drive, the commands of its controller.
         weight: of each sample in a fit, shape (n,), see `weights`; None: all equal.
         held: friction at the first sample over Fc, see `start`.
@@ -163,10 +160,7 @@ class Prepared:
     """All logs of a fit.
 
     Attributes:
-        segments: one per log.
-        joint: name; slide: True for a slide joint.
         drive: kind of drive in the logs. The torque per voltage or current is an unknown gain.
-        band: of the filters.
         let_go: whether some samples are of a voltage-driven joint with its motor off: there viscous
             friction acts without back-EMF, so that the two can be distinguished.
         nothing: names of time offsets that are assumed to be zero: see `starts.with_times`, or
@@ -188,11 +182,6 @@ class Prepared:
 
     def __len__(self) -> int:
         return len(self.segments)
-
-    @property
-    def samples(self) -> int:
-        """Kept samples of all logs."""
-        return len(self.log_index)
 
     @cached_property
     def log_index(self) -> Index:
@@ -329,7 +318,7 @@ class Prepared:
         """The logs for a coarse search, in a narrower band if there are more samples than about
         `most`."""
         if most not in self._thinned:
-            factor = max(1.0, self.samples / most)
+            factor = max(1.0, len(self.log_index) / most)
             segments = tuple(_thinned(s, factor) for s in self.segments)
             self._thinned[most] = replace(self, segments=segments)
         return self._thinned[most]

@@ -32,6 +32,7 @@ from frictionjoint.measured.arrays import corrupt, mat_columns, mat_names, one_l
 from frictionjoint.measured.columns import one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
+from frictionjoint.measured.text_layout import layout_of
 from frictionjoint.measured.validate import check_finite
 
 _EMPS = ["t", "qm", "qg", "vir"]
@@ -165,7 +166,8 @@ def _read_tx40(folder: Path, joint: str | None) -> JointLog:
 
 def _tx40_columns(path: Path) -> Array:
     """Columns of all six joints, shape (n, 6)."""
-    missing = [name for name in _TX40_COLUMNS if name not in text_table.header(path)]
+    names = layout_of(path).names
+    missing = [name for name in _TX40_COLUMNS if name not in names]
     if missing:
         raise LogError(
             f"{path.name}: no column {missing[0]!r}, it needs {', '.join(_TX40_COLUMNS)}"

@@ -25,6 +25,7 @@ from frictionjoint.measured.columns import (
 )
 from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.text_layout import Layout, layout_of
 from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
 
 TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat", *arrays.HDF5_ENDINGS)
@@ -52,9 +53,9 @@ def read_table(
     wanted = choose(path.name, table, joint)
     more = choose_signals(path.name, table, joint, signals, wanted.values())
     figures = choose_figures(table, joint)
-    text = _has_header(path)
-    if text:
-        _require_si(path, wanted, units or {})
+    layout = layout_of(path) if _has_header(path) else None
+    if layout:
+        _require_si(path.name, layout, wanted, units or {})
     clock = wanted["time_s"]
     rate = None if clock in table else sample_rate(clock)
     if rate:
@@ -67,23 +68,23 @@ def read_table(
     further = {name: raw[theirs] for name, theirs in more.items()}
     prefix = f"{joint}." if joints_in(table) else ""
     log = log_of(path, joint, data, prefix, further, wrap, units, drop_nan)
-    if text:
-        said = tuple(f"{path.stem}: {note}" for note in text_table.notes(path))
-        log = replace(log, notes=(*said, *log.notes))
+    if layout and layout.note:
+        log = replace(log, notes=(f"{path.stem}: {layout.note}", *log.notes))
     # one that changes on the way is no figure of the log
     same = {name: raw[theirs] for name, theirs in figures.items() if np.ptp(raw[theirs]) == 0.0}
     return replace(log, metadata={name: float(x[0]) for name, x in same.items()})
 
 
-def _require_si(path: Path, wanted: Mapping[str, str], units: Mapping[str, str]) -> None:
+def _require_si(
+    source: str, layout: Layout, wanted: Mapping[str, str], units: Mapping[str, str]
+) -> None:
     """Raise LogError if a line of units contradicts the name of a column."""
-    line, cells = text_table.units_row(path)
     for ours, theirs in wanted.items():
-        cell = cells.get(theirs, "")
+        cell = layout.units.get(theirs, "")
         if unit_of(ours, units) is None and not is_si(ours, cell):
             raise LogError(
-                f"{path.name}, row {line}, {theirs}: the row of units says {cell!r}, which is not "
-                f"the unit of {ours}: give --unit {quantity_of(ours)}=UNIT"
+                f"{source}, row {layout.before}, {theirs}: the row of units says {cell!r}, "
+                f"which is not the unit of {ours}: give --unit {quantity_of(ours)}=UNIT"
             )
 
 
@@ -186,7 +187,7 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
     """Names of a table's columns, without reading its rows; of matrices those parts that are
     requested, see `read_table`."""
     if path.suffix.lower() in text_table.ENDINGS:
-        return bare_names(path) if is_bare(path) else text_table.header(path)
+        return bare_names(path) if is_bare(path) else layout_of(path).names
     reader = _arrays(path)
     if not reader:
         return parquet.column_names(path)

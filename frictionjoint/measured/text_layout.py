@@ -26,11 +26,12 @@ class Layout:
     """Layout of a file, by its first lines.
 
     Attributes:
-        names: of its columns, None for one without a name. separator: between cells.
-        point: decimal separator. before: lines before the first that may be a sample.
-        zoned: date columns, and whether they name their time zone. title: line number of the
-            header. skipped: lines above it that are no comments.
+        columns: a name for each of its columns. names: those that the header has.
+        separator: between cells. point: decimal separator.
+        before: lines before the first that may be a sample.
+        zoned: date columns, and whether they name their time zone.
         units: cell below each name, if there is a line of units.
+        note: on lines above the header that are no comments; empty for none.
     """
 
     def __init__(self, file: str, lines: Iterator[str]) -> None:
@@ -51,28 +52,25 @@ class Layout:
             raise LogError(f"{file}, row {title + 1}: no header, give column names there")
         separator = _separator(text)
         names = [cell.strip() for cell in next(csv.reader([text], delimiter=separator))]
-        units: tuple[str, ...] = ()
+        units: list[str] = []
         below = some[before] if before < len(some) else ""
         cells = _cells(below, separator)
         if any(cells) and len(cells) >= len(names) and _is_units_line(cells):
-            units, before = tuple(cells), before + 1
+            units, before = cells, before + 1
         sample = _cells(next(filter(None, some[before:]), ""), separator)
         names = _as_wide_as(names, sample)
         dates = zip(names, map(MOMENT.fullmatch, sample), strict=False)
         with_comma = any(re.search(r"\d,\d", line) for line in some[before:])
-        self.names = [cell or None for cell in names]
+        self.columns = [x or _UNNAMED.format(i) for i, x in enumerate(names, start=1)]
+        self.names = [x for x in names if x]
         self.separator = separator
         self.point = "," if separator != "," and with_comma else "."
         self.before = before
         self.zoned = {name: bool(date["zone"]) for name, date in dates if date}
-        self.title = title + 1
-        self.skipped = title if title > remarks else 0
-        self.units = units
-
-    @property
-    def all_names(self) -> list[str]:
-        """A name for every column."""
-        return [x or _UNNAMED.format(i) for i, x in enumerate(self.names, start=1)]
+        self.units = {name: unit for name, unit in zip(names, units, strict=False) if name}
+        above = "line 1" if title == 1 else f"lines 1 to {title}"
+        skipped = f"{above} skipped: the header with the column names is line {title + 1}."
+        self.note = skipped if title > remarks else ""
 
 
 def layout_of(path: Path) -> Layout:

@@ -29,26 +29,6 @@ ENDINGS = (".csv", ".tsv", ".txt", ".dat")
 _MISSING = {"", "na", "n/a", "#n/a", "#na", "null", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"}
 
 
-def header(path: Path) -> list[str]:
-    """Column names of a file; LogError if the file is empty or no text."""
-    return [name for name in layout_of(path).names if name is not None]
-
-
-def units_row(path: Path) -> tuple[int, dict[str, str]]:
-    """Line number of the line of units, and its cells by column name; none without such a line."""
-    layout = layout_of(path)
-    pairs = zip(layout.names, layout.units, strict=False)
-    return layout.before, {name: unit for name, unit in pairs if name is not None}
-
-
-def notes(path: Path) -> tuple[str, ...]:
-    layout = layout_of(path)
-    if layout.title <= 1 or not layout.skipped:
-        return ()
-    lines = "line 1" if layout.skipped == 1 else f"lines 1 to {layout.skipped}"
-    return (f"{lines} skipped: the header with the column names is line {layout.title}.",)
-
-
 def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[str, Array]:
     """Some columns of a file, each of shape (n,); that of `time` may contain dates and times.
 
@@ -59,7 +39,7 @@ def read_columns(path: Path, names: list[str], time: str | None = None) -> dict[
     """
     layout = layout_of(path)
     parts: dict[str, list[NDArray[Any]]] = {name: [] for name in names}
-    at = [layout.all_names.index(name) for name in names]
+    at = [layout.columns.index(name) for name in names]
     for first, lines in _batches(path, layout):
         table = _only_numbers(lines, layout)
         if table is not None:
@@ -97,18 +77,18 @@ def _only_numbers(lines: list[str], layout: Layout) -> Array | None:
         return None
     samples = [line for line in lines if line.rstrip("\r\n")]
     if not samples:
-        return np.empty((0, len(layout.names)))
+        return np.empty((0, len(layout.columns)))
     try:
         table = np.loadtxt(samples, delimiter=layout.separator, comments=None, ndmin=2)
     except ValueError:
         return None
-    return table if table.shape[1] == len(layout.names) else None
+    return table if table.shape[1] == len(layout.columns) else None
 
 
 def _rows(path: Path, layout: Layout, first: int, lines: list[str]) -> list[tuple[int, list[str]]]:
     """Line number, from 1, and cells of each sample; blank lines are skipped."""
     reader = csv.reader(lines, delimiter=layout.separator)
-    made, wide = [], len(layout.names)
+    made, wide = [], len(layout.columns)
     try:
         for cells in reader:
             number = first + reader.line_num - 1
