@@ -13,11 +13,7 @@ def expect(value: Any, kinds: type | tuple[type, ...], name: str, fix: str) -> N
 
 
 def require_seed(seed: Any) -> None:
-    """Require a seed to be an integer of at least 0.
-
-    Raises:
-        TypeError, ParameterError: it is not.
-    """
+    """Require a seed to be an integer of at least 0; TypeError or ParameterError if it is not."""
     expect(seed, int, "seed", "give a whole number, 0 or more")
     if seed < 0:
         raise ParameterError(f"seed is {seed}: give 0 or more")

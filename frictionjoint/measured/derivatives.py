@@ -178,10 +178,8 @@ def first_velocity(time: Array, position: Array, count: float) -> float:
     A filter of the whole motion has no data before the first sample. For a joint that starts from
     rest it can return several rad/s in the wrong direction, and a simulation that starts with this
     velocity is wrong for a while. The parabola spans as many samples as it fits to within half a
-    count, because rounding makes a velocity uncertain by about one count per duration.
-
-    Args:
-        count: encoder step, rad (m); 0: the shortest interval is used.
+    count, the encoder's step, rad (m), because rounding makes a velocity uncertain by about one
+    count per duration; without a count it spans the shortest interval.
     """
     t, q = time - time[0], position - position[0]
     # the shortest interval, s

@@ -136,13 +136,9 @@ class JointLog:
         return self.mapped(lambda x, first: np.concatenate([first, x]), self.before)
 
     def with_gain(self, gain: float) -> "JointLog":
-        """The log with the torque of a motor constant, N m per A or per V (N for a slide).
-
-        For a voltage-driven motor the identified viscous friction includes the back-EMF.
-
-        Raises:
-            LogError: the gain is not positive, or the log has neither current nor voltage.
-        """
+        """The log with the torque of a motor constant, N m per A or per V (N for a slide); of a
+        voltage-driven motor, the identified viscous friction includes the back-EMF. LogError: the
+        gain is not positive, or the log has neither current nor voltage."""
         if not (np.isfinite(gain) and gain > 0.0):
             raise LogError(f"gain is {gain:g}: give N m per A or per V, above 0")
         drive = self.current if self.current is not None else self.voltage

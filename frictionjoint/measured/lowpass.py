@@ -40,8 +40,7 @@ def steep(ratio: Array) -> Array:
 
 
 def gentle(ratio: Array) -> Array:
-    """A raised cosine, zero above twice the corner: four samples per period represent it
-    completely.
+    """A raised cosine, zero above twice the corner: four samples a period represent it completely.
 
     The unknown signal beyond the ends of a log has an influence of 0.4% of the kernel's peak at one
     period of the corner from the end, and of 0.05% at two.

@@ -152,12 +152,8 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
 
 
 def require_logs(logs: Any, held_out: Any) -> None:
-    """Check the arguments for logs and held-out logs or their fraction.
-
-    Raises:
-        TypeError: one log instead of a list, or not a log.
-        LogError: there is no log to fit.
-    """
+    """Check the arguments for logs and held-out logs or their fraction; TypeError: one log instead
+    of a list, or not a log; LogError: there is no log to fit."""
     _require_list("logs", logs)
     if not isinstance(held_out, int | float):
         _require_list("held_out", held_out)

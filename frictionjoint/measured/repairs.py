@@ -65,11 +65,8 @@ def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple
 
 
 def without_lone_readings(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The columns with corrupt readings of position and temperature interpolated, and notes.
-
-    A bus that loses a byte returns a distant position for one sample; no joint moves there and
-    back.
-    """
+    """The columns with corrupt readings of position and temperature interpolated, and notes: a bus
+    that loses a byte returns a distant position for one sample; no joint moves there and back."""
     found, notes = dict(columns), []
     for name, x in columns.items():
         if name.rpartition(".")[2] in _CANNOT_LEAP and len(lone := lone_readings(x)):
@@ -126,10 +123,8 @@ def _moves(position: Array) -> bool:
 
 
 def drive_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
-    """Notes on drives that are exactly zero for long while the joint moves, or leap for one sample.
-
-    A drive may leap, so its outliers are not repaired. The columns include a position.
-    """
+    """Notes on drives that are exactly zero for long while the joint moves, or leap for one sample,
+    which is not repaired because a drive may leap; the columns include a position."""
     position = next(x for name, x in columns.items() if name in POSITIONS)
     time, notes = columns["time_s"], []
     for name, x in columns.items():
@@ -153,13 +148,8 @@ def drive_notes(columns: Mapping[str, Array]) -> tuple[str, ...]:
 def unwrapped(
     source: str, columns: Mapping[str, Array], wrap: float | None
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """The columns with unwrapped positions, and a note on each that was changed.
-
-    Args:
-        wrap: range at which positions wrap, rad (m); None: the usual ranges.
-    Raises:
-        LogError: a position jumps by another range, or the range is not positive.
-    """
+    """The columns with positions unwrapped at a range, rad (m), or at the usual ranges, and a note
+    on each change; LogError: a position jumps by another range, or the range is not positive."""
     if wrap is not None and not (np.isfinite(wrap) and wrap > 0.0):
         raise LogError(f"--wrap {wrap:g}: give the range that the position wraps at, above 0")
     found, notes = dict(columns), []
@@ -213,11 +203,8 @@ def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
 
 
 def without_repeats(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """One row per measurement if the recorder repeated rows.
-
-    A recorder that writes faster than it measures repeats rows. Kept, they would turn the motion
-    into steps and pretend more samples than there are.
-    """
+    """One row per measurement if the recorder wrote faster than it measured: repeated rows would
+    turn the motion into steps and pretend more samples than there are."""
     names = [name for name in columns if name in _HELD]
     n = len(columns["time_s"])
     changes = np.zeros(n - 1, dtype=bool)

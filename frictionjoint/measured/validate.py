@@ -44,12 +44,8 @@ _MUST_CHANGE = (*VELOCITIES, *MEASURED_DRIVES)
 
 
 def check_rows(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
-    """Raise LogError unless columns, of shape (n,) each, are numbers along increasing ``time_s``.
-
-    Args:
-        source: file name for the message. columns: by name, a joint's prefix allowed.
-        row: row number in the file of sample i.
-    """
+    """Raise LogError, which names the file, unless columns, of shape (n,) each and by name, also
+    with a joint's prefix, are numbers along increasing ``time_s``."""
     check_lengths(source, columns)
     for name, x in columns.items():
         check_finite(source, name, x, row)
