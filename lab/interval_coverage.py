@@ -30,12 +30,12 @@ from frictionjoint.diagnose.trace import trace
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.intervals import covariance
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.readers import read_log
 
 _NORMAL = 1.96

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionjoint.effects.signals import GEAR, TIME
-from frictionjoint.identify.band import Band
+from frictionjoint.identify.noise import Band
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog

@@ -11,13 +11,13 @@ from trial_logs import quiet
 
 from frictionjoint.files import read_parameters
 from frictionjoint.identify.base_fit import base_fit
+from frictionjoint.identify.intervals import covariance
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.uncertainty import covariance
 from frictionjoint.measured.readers import read_log
 
 FS, FC, VS, SIGMA2, STIFFNESS = 0.8, 0.5, 0.1, 0.1, 400.0

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.verdict import noise_floor
-from frictionjoint.identify.band import Band
-from frictionjoint.identify.noise import count_of, density_above
+from frictionjoint.identify.noise import Band, count_of, density_above
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog

@@ -9,7 +9,7 @@ from arms.arm import hide_mass, random_arm
 from arms.fitted import joint_logs
 
 from frictionjoint.errors import LogError
-from frictionjoint.identify.driven_joints import joints_to_explain
+from frictionjoint.identify.matching import joints_to_explain
 from frictionjoint.measured.readers import joints_with_drive
 from frictionjoint.robot.close_loop import Options, close_loop_robot
 from frictionjoint.robot.joint import first_fit

@@ -24,8 +24,7 @@ from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.search import HEARD
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import VARIABLES, HysteresisTerm, LogTerm, SplineTerm, quantity
-from frictionjoint.identify.swing import swings_of
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, swings_of
 from frictionjoint.identify.timing import DriveTiming, TargetTiming
 from frictionjoint.threads import side_by_side
 

@@ -173,7 +173,7 @@ def evaluate(
 
 def _joints(paths: Sequence[str | Path | JointLog], model: Any) -> list[str]:
     """Joints to evaluate if the user names none."""
-    from frictionjoint.identify.driven_joints import joints_to_explain
+    from frictionjoint.identify.matching import joints_to_explain
 
     if files := [x for x in paths if not isinstance(x, JointLog)]:
         return joints_to_explain(files, model)

@@ -27,8 +27,8 @@ LOGS = 3
 
 
 class Folds(NamedTuple):
-    """Fold of each block, 0 to F - 1, shape (B,), and 1 where a block is in a fold, else 0, shape
-    (F, B)."""
+    """The place of each block, fold 0 to F - 1, shape (B,), and 1 where a block is inside a fold,
+    else 0, shape (F, B)."""
 
     place: Index
     inside: Array

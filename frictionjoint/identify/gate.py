@@ -25,7 +25,7 @@ from frictionjoint.errors import LogError, few
 from frictionjoint.identify.basis import lengths, pseudo_inverse
 from frictionjoint.identify.error_messages import driven, too_large, turned_round, unexplained
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.plain_friction import plain_friction, top_speed
+from frictionjoint.identify.law_basis import plain_friction, top_speed
 from frictionjoint.identify.segment import Prepared
 
 # Largest part of the torque's rms that a model may leave: a tenth of the mean square is explained
@@ -110,7 +110,7 @@ def unexplained_fraction(prepared: Prepared) -> float:
 
 
 def check_fit(prepared: Prepared, fitted: Fit) -> None:
-    """Raise LogError unless a fit explains some of the torque; its parameters mean nothing then."""
+    """Raise LogError if a fit explains hardly any torque, because its parameters mean nothing."""
     left = fitted.rms / fitted.target_rms if fitted.target_rms else np.inf
     if left > MOST_LEFT:
         names = few([s.name for s in prepared.segments])

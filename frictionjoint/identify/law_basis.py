@@ -7,6 +7,7 @@ coefficients. This model is rough, but its fit has a single minimum, which shows
 the law should begin.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,6 +25,9 @@ from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.identify.terms import Term
+
+# displacements over the travel at which the elastic-plastic elements of `plain_friction` slip
+_REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
 
 
 @dataclass(frozen=True)
@@ -106,3 +110,18 @@ class LawBasis:
         of_law = beta[: own.shape[1]].reshape(-1, len(self.reaches))
         rms = root_mean_square(residual * weight)
         return LinearLaw(self.reaches, of_law[:-1] if damped else of_law, rms, residual)
+
+
+def top_speed(segments: Sequence[Segment]) -> float:
+    """Top speed of all logs without the fastest 1% of samples of each, rad/s (m/s); 1 if nothing
+    moves."""
+    return float(np.max([np.quantile(np.abs(s.signals[:, V]), 0.99) for s in segments])) or 1.0
+
+
+def plain_friction(s: Segment, top: float) -> Array:
+    """A smooth sign of the velocity, and elastic-plastic elements, shape (n, 7)."""
+    q, v = s.signals[:, Q], s.signals[:, V]
+    # below 2% of the top speed friction is changing its side
+    side = np.clip(v / (0.02 * top), -1.0, 1.0)
+    reaches = _REACHES * (float(np.ptp(q)) or 1.0)
+    return np.column_stack([side, elastic_plastic(q, reaches)])

@@ -6,16 +6,18 @@ the examined joint, it must be given: a guess would appear as friction.
 
 import difflib
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.errors import LogError, ModelError
+from frictionjoint.errors import NO_JOINT, LogError, ModelError, few
 from frictionjoint.identify.held import BALL, FREE, SLIDE, joint_label
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import differentiate, speed_note
 from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.readers import joints_with_drive
 from frictionjoint.measured.validate import check_time
 from frictionjoint.model_files import ONE_DOF
 
@@ -217,3 +219,33 @@ def _load(body: RigidBody, qpos: Array, qvel: Array, qacc: Array) -> Array:
         mujoco.mj_inverse(body.model, data)
         load[k] = data.qfrc_inverse[dof]
     return load
+
+
+def joints_to_explain(
+    logs: Sequence[str | Path], model: mujoco.MjModel, columns: dict[str, str] | None = None
+) -> list[str]:
+    """Hinges and slides of a model with a drive in all logs, base first.
+
+    Columns that name no joint are those of the only joint of a model.
+
+    Raises:
+        ModelError: the model has none.
+        LogError: a log has none of those in the model and in the logs before it.
+    """
+    has = [joint_label(model, j) for j in range(model.njnt) if int(model.jnt_type[j]) in ONE_DOF]
+    if not has:
+        raise ModelError(NO_JOINT)
+    names = has
+    for path in logs:
+        driven = joints_with_drive(path, columns) or (has if len(has) == 1 else [])
+        common = [name for name in names if name in driven]
+        if not common:
+            source = "model" if names is has else "model and of the logs before it"
+            raise LogError(
+                f"{Path(path).name}: no joint of the {source} has a position and a drive here: "
+                f"wanted is one of {few(names, 12)}, the columns name "
+                f"{few(driven, 12) or 'none'}; name one joint with --joint, or its columns "
+                "--column JOINT.position_rad=NAME"
+            )
+        names = common
+    return names

@@ -1,4 +1,4 @@
-"""Noise of a log's instruments, and the usable band of its torque balance.
+"""Noise of a log's instruments, and the usable band and samples of its torque balance.
 
 Differentiating a position twice turns its noise into a torque that grows with the square of the
 frequency, J (2 pi f)^2 times as much. Where that exceeds the torque's own noise the log contains no
@@ -13,13 +13,33 @@ so its error is computed along the actual motion.
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from scipy.special import gammaincinv
 
 from frictionjoint.arrays import Array
 from frictionjoint.measured.derivatives import SAME_POSITION, power_density
 from frictionjoint.measured.lowpass import gentle, steep
 from frictionjoint.measured.repairs import interpolated, lone_readings
+
+
+@dataclass(frozen=True)
+class Band:
+    """Corners of the filters of the torque balance and of the motion, Hz; whether a measured drive
+    is constant from one sample to the next, and whether samples at the end of its range are
+    unused."""
+
+    balance: float
+    motion: float
+    zero_order_hold: bool = False
+    sensor_saturates: bool = False
+
+
+def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDArray[np.bool_]:
+    """Samples at least one period of the filter's corner away from unknown torque, which the filter
+    spreads over that time, shape (n,)."""
+    reach = max(1, int(1.0 / (bandwidth_hz * dt)))
+    return np.asarray(~maximum_filter1d(unknown, 2 * reach + 1, mode="constant", cval=False))
 
 
 @dataclass(frozen=True)

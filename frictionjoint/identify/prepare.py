@@ -27,11 +27,9 @@ from frictionjoint.effects.signals import (
     V,
 )
 from frictionjoint.errors import LogError
-from frictionjoint.identify.band import Band, clear_of
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.motion import Motion, motion_of
-from frictionjoint.identify.noise import count_of, noise_of
-from frictionjoint.identify.other_drive import turned_by_another
+from frictionjoint.identify.noise import Band, clear_of, count_of, noise_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import A_BALANCE, Drive, Prepared, Segment
 from frictionjoint.identify.tracks import path_of
@@ -39,6 +37,7 @@ from frictionjoint.identify.zero_order_hold import holds, of_drive
 from frictionjoint.measured.derivatives import LEAST_HZ, motion_band, on_a_grid
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import REACH
+from frictionjoint.measured.repairs import silent_runs
 
 
 def prepare(
@@ -248,3 +247,38 @@ def _away_from_switching(enabled: Array, edge: int) -> NDArray[np.bool_]:
     for k in np.flatnonzero(np.diff(enabled)):
         away[max(0, k - edge + 1) : k + edge + 1] = False
     return away
+
+
+def turned_by_another(
+    log: JointLog, values: Array, grid: Array, lost: Array, velocity: Array
+) -> tuple[tuple[float, float], ...]:
+    """Start and end of each part in which another drive turns the joint, s in the log's time, while
+    the joint's own drive is off.
+
+    A joint that coasts loses energy to its friction, about as much over a distance as when it is
+    driven. If another motor turns the joint, that motor supplies this energy. Then the balance of
+    the joint's own drive and the rigid body shows almost no friction.
+
+    Args:
+        values: of the log's drive, at its samples. grid: times of the balance, s, shape (n,), of
+            `lost`, drive minus rigid-body torque in units of the drive, and of the velocity.
+    """
+    silent = [
+        (float(log.time[a]), float(log.time[b - 1]))
+        for a, b in silent_runs(log.time, log.position, values)
+    ]
+    inside = [(grid >= a) & (grid <= b) for a, b in silent]
+    driven = ~np.any([np.zeros(len(grid), dtype=bool), *inside], axis=0)
+    usual = _friction(lost[driven], velocity[driven])
+    # a coasting joint has about all of its usual friction
+    return tuple(
+        span
+        for span, there in zip(silent, inside, strict=True)
+        if _friction(lost[there], velocity[there]) < usual / 3.0
+    )
+
+
+def _friction(lost: Array, velocity: Array) -> float:
+    """Friction as work over distance; 0 if nothing moves."""
+    distance = float(np.sum(np.abs(velocity)))
+    return float(np.sum(lost * velocity)) / distance if distance else 0.0

@@ -22,8 +22,7 @@ from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.swing import swings_of
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, swings_of
 from frictionjoint.identify.timing import timed
 from frictionjoint.threads import one_thread
 

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, Index
 from frictionjoint.effects.signals import DT, GEAR, LOAD, Q, V
-from frictionjoint.identify.band import Band, clear_of
 from frictionjoint.identify.bundle import Bundle, Cache
 from frictionjoint.identify.commanded import Commanded
-from frictionjoint.identify.noise import Noise, corner_above_noise
+from frictionjoint.identify.noise import Band, Noise, clear_of, corner_above_noise
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.tracks import Path, Start, path_of
 from frictionjoint.measured.derivatives import HIGHEST

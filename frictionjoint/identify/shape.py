@@ -240,8 +240,8 @@ class IntegratedShape(KernelShape):
         return np.array(least), np.array(most)
 
     def started(self, start: LawStart) -> list[Self]:
-        """Starting shapes, with the estimated transition curve and with a straight one, which is
-        sufficient where a small n makes the loops curved enough."""
+        """Starting shapes, with the estimated transition curve and with a straight one, whose loops
+        a small n makes curved enough."""
         # a bend that is smaller or larger at the start cannot move
         straight = 0.95
         first, second = np.clip(start.bend, 0.03, straight)

@@ -21,8 +21,7 @@ from frictionjoint.identify.fit import IN_MOTION, Fit
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.swing import swing_columns
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.terms import Term, swing_columns
 from frictionjoint.measured.lowpass import REACH
 from frictionjoint.threads import side_by_side
 

@@ -18,7 +18,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import CLEARLY
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
-from frictionjoint.identify.plain_friction import plain_friction, top_speed
+from frictionjoint.identify.law_basis import plain_friction, top_speed
 from frictionjoint.identify.segment import Segment
 
 # delays of the drive that may go with either, in samples

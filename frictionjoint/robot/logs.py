@@ -8,7 +8,7 @@ from typing import TypeVar, get_args
 import numpy as np
 
 from frictionjoint.errors import LogError, ModelError, NoMotionError, few
-from frictionjoint.identify.driven_joints import joints_to_explain
+from frictionjoint.identify.matching import joints_to_explain
 from frictionjoint.identify.segment import Segment
 from frictionjoint.measured.log import JointLog, split_each_in_time
 from frictionjoint.measured.long_logs import bounded

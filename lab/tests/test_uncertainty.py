@@ -4,14 +4,13 @@ import numpy as np
 from scipy.signal import lfilter
 
 from frictionjoint.effects.signals import N_SIGNALS, V
-from frictionjoint.identify.band import Band
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.intervals import covariance
 from frictionjoint.identify.layout import Layout
-from frictionjoint.identify.noise import Noise
+from frictionjoint.identify.noise import Band, Noise
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.uncertainty import covariance
 
 LOGS, SAMPLES, DT = 4, 1500, 0.02
 TRUE = np.array([0.3, 0.8])  # sigma2 in N m s/rad, Fc in N m
