@@ -8,15 +8,18 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.decisions import CLEARLY
+from frictionjoint.effects.signals import GEAR, inertia_of
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.layout import Layout
-from frictionjoint.identify.segment import LEAST_LEVEL, Drive
+from frictionjoint.identify.segment import LEAST_LEVEL, Drive, Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.timing import Timing
 
 # squared weight from which on a sample counts as in motion
 IN_MOTION = 0.5
+# range of the share of the inertia behind a spring
+SHARES = (0.05, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,3 +216,14 @@ def unreached(fitted: Fit) -> Array:
     left = fitted.residual * w
     free = fitted.free_jacobian * w[:, None]
     return np.asarray(left**2 - without(left, free / lengths(free)) ** 2)
+
+
+def implied_share(prepared: Prepared, fitted: Fit, i: int) -> float:
+    """Share of the inertia that a fit puts behind the spring of term i.
+
+    A model that combines motor and link has one inertia. A rotor is balanced, so gravity acts on
+    the link alone. At a given resonance the link sags more if its inertia is smaller.
+    """
+    whole = float(np.median([inertia_of(s.signals, GEAR) for s in prepared.segments]))
+    (behind,) = fitted.term_coefficients(i)
+    return float(np.clip(behind / whole, *SHARES)) if whole > 0.0 and behind > 0.0 else 1.0

@@ -15,8 +15,7 @@ from scipy.optimize import least_squares
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import MOTOR, Q
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
-from frictionjoint.identify.elastic_share import RESOLUTION, SHARES, implied_share
-from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.fit import SHARES, Fit, implied_share
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of
@@ -34,6 +33,8 @@ _HARDLY = 1e-9
 HEARD = 2.0
 # fits until a spring carries the share of the inertia that it implies, and least slope of a secant
 _MOST_SHARES, _LEAST_SLOPE = 4, 0.2
+# relative change of a share that does not change a fit noticeably
+_SHARE_RESOLUTION = 0.05
 # waves in the usual range of positions, or the longest log: fewer are nearly any curve. A fit may
 # move a wave by half of one, which is the width of a line of the spectrum.
 FEWEST_WAVES, HALF_A_WAVE = 1.5, 0.5
@@ -74,7 +75,7 @@ def _with_implied_part(prepared: Prepared, found: Fit, i: int, steps: int, close
         assert isinstance(term, EffectTerm)
         now = math.log(term.part)
         apart = math.log(implied_share(prepared, found, i)) - now
-        if abs(apart) <= RESOLUTION:
+        if abs(apart) <= _SHARE_RESOLUTION:
             break
         if before is not None:
             slope = min((apart - before[1]) / (now - before[0]), -_LEAST_SLOPE)

@@ -92,7 +92,7 @@ class Term(Protocol):
 @dataclass(frozen=True)
 class EffectTerm(Term):
     """An effect of the catalogue with given shape numbers, and the ratio of its own inertia to the
-    inertia on which gravity acts, see `elastic_share`."""
+    inertia on which gravity acts, see `fit.implied_share`."""
 
     effect: Effect = NOTHING
     shape: tuple[float, ...] = ()
