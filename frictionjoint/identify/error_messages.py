@@ -26,13 +26,13 @@ def driven(prepared: Prepared, name: str, errors: float) -> str:
     )
 
 
-def turned_round(prepared: Prepared, names: str, gravity: float, inertia: float) -> str:
+def turned_round(prepared: Prepared, gravity: float, inertia: float) -> str:
     """Message: gravity and inertia of the model appear in the drive with these negative factors."""
     why = (
         f"the drive matches the model with opposite sign (gravity x {gravity:.3g}, inertia x "
         f"{inertia:.3g})"
     )
-    return _wrong_sign(prepared, names, why)
+    return _wrong_sign(prepared, prepared.names, why)
 
 
 def _wrong_sign(prepared: Prepared, name: str, why: str) -> str:
@@ -45,27 +45,27 @@ def _wrong_sign(prepared: Prepared, name: str, why: str) -> str:
     )
 
 
-def too_large(prepared: Prepared, names: str, factor: float) -> str:
+def too_large(prepared: Prepared, factor: float) -> str:
     """Message: the torque is this many times the load of the model, in gravity and in inertia."""
     c = _columns(prepared)
     torque, check = f"measured {c.what}", f"the unit of {c.drive} (N mm, mN m, N cm?)"
     if prepared.commanded:
         torque, check = "torque of the controller", "its gains (per rad, not per degree?)"
     return (
-        f"{names}: the {torque} is {factor:.3g} times the load of the model: check {check} and "
-        "the masses in the MJCF"
+        f"{prepared.names}: the {torque} is {factor:.3g} times the load of the model: check "
+        f"{check} and the masses in the MJCF"
     )
 
 
-def unexplained(prepared: Prepared, names: str, left: float, hint: str) -> str:
+def unexplained(prepared: Prepared, left: float, hint: str) -> str:
     """Message: the model leaves too large a fraction of the drive's rms unexplained; the hint is
     the ratio of the torque to the model's load, as text."""
     c = _columns(prepared)
     units = f"the units of {c.position} ({c.position_unit}) and {c.drive} ({c.drive_unit})"
     return (
-        f"{names}: the residual is {left:.3g} times the {prepared.drive}{hint}: check {units}"
-        f"{c.rest}, their signs, their clock, and that they are of joint {prepared.joint!r} of the "
-        "MJCF"
+        f"{prepared.names}: the residual is {left:.3g} times the {prepared.drive}{hint}: check "
+        f"{units}{c.rest}, their signs, their clock, and that they are of joint {prepared.joint!r} "
+        "of the MJCF"
     )
 
 

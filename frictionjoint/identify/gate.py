@@ -21,7 +21,7 @@ from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array, Index, root_mean_square
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
-from frictionjoint.errors import LogError, few
+from frictionjoint.errors import LogError
 from frictionjoint.identify.basis import lengths, pseudo_inverse
 from frictionjoint.identify.error_messages import driven, too_large, turned_round, unexplained
 from frictionjoint.identify.fit import Fit
@@ -84,24 +84,26 @@ def check_signs(prepared: Prepared) -> None:
     """Check that friction takes power from the joint, and that gravity and inertia are not
     reversed, whatever else the model lacks; LogError: a sign is wrong."""
     balance = _balance(prepared)
-    names = few([s.name for s in prepared.segments])
-    _check_signs(prepared, balance, _load_factors(balance), names)
+    _check_signs(prepared, balance, _load_factors(balance))
 
 
 def check(prepared: Prepared) -> None:
     """Check before any fit that the drive of logs can be that of the model's joint along their
     motion; LogError: a sign is wrong, the model explains next to nothing, a unit is too large."""
     balance = _balance(prepared)
-    names = few([s.name for s in prepared.segments])
     if not balance.drive.any():
-        raise LogError(f"{names}: the {prepared.drive} is zero: check its column")
+        raise LogError(f"{prepared.names}: the {prepared.drive} is zero: check its column")
     load = _load_factors(balance)
-    _check_signs(prepared, balance, load, names)
+    _check_signs(prepared, balance, load)
     left = _left(balance, prepared.gain_unknown)
     if left > MOST_LEFT:
-        raise LogError(unexplained(prepared, names, left, _hint(prepared, balance)))
-    if not prepared.gain_unknown:
-        _check_too_large(prepared, load, names)
+        raise LogError(unexplained(prepared, left, _hint(prepared, balance)))
+    # A unit is wrong if gravity and inertia are both ten times the model's or more, and agree
+    # within a factor of two. One alone may be too small in a model, without the gripper of a wrist
+    # or the inertia of its motor.
+    alike = load.factors.max() < 2.0 * load.factors.min()
+    if not prepared.gain_unknown and np.min(load.factors - SURE * load.errors) > 10.0 and alike:
+        raise LogError(too_large(prepared, float(load.factors.mean())))
 
 
 def unexplained_fraction(prepared: Prepared) -> float:
@@ -113,8 +115,7 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
     """Raise LogError if a fit explains hardly any torque, because its parameters mean nothing."""
     left = fitted.rms / fitted.target_rms if fitted.target_rms else np.inf
     if left > MOST_LEFT:
-        names = few([s.name for s in prepared.segments])
-        raise LogError(unexplained(prepared, names, left, ""))
+        raise LogError(unexplained(prepared, left, ""))
 
 
 def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
@@ -128,17 +129,14 @@ def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
         return True
     if not load_shows(fitted):
         return False
-    columns = fitted.free_jacobian
-    at = fitted.names.index("load")
-    own = int(np.count_nonzero(~fitted.bound[:at]))
-    load, others = columns[:, own], np.delete(columns, own, axis=1)
+    # the first column is that of the load
+    columns, per_torque = fitted.free_jacobian, float(fitted.beta[0])
+    load, others = columns[:, 0], np.delete(columns, 0, axis=1)
     alone = load - others @ _solved(others, load)
-    effect = alone * float(fitted.beta[at])
-    # The residual may be correlated with the load, so the load must exceed it.
-    if root_mean_square(effect) <= fitted.rms:
+    if root_mean_square(alone * per_torque) <= fitted.rms:
         return False
     error = _errors(alone[:, None], fitted.residual, _blocks(len(alone)))[0, 0]
-    return bool(float(fitted.beta[at]) ** 2 > SURE**2 * error)
+    return bool(per_torque**2 > SURE**2 * error)
 
 
 def load_shows(fitted: Fit) -> bool:
@@ -146,7 +144,7 @@ def load_shows(fitted: Fit) -> bool:
     return "load" not in fitted.names or not fitted.bound[fitted.names.index("load")]
 
 
-def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) -> None:
+def _check_signs(prepared: Prepared, balance: Balance, load: _Load) -> None:
     """Check the signs of the load and of friction, in every log and in all together.
 
     The balance of one log may be wrong by more than its standard errors, for example if gravity and
@@ -154,10 +152,10 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
     is wrong.
     """
     if prepared.gain_unknown:
-        _check_drive_changes(prepared, names)
+        _check_drive_changes(prepared)
     if np.max(load.factors + SURE * load.errors) < 0.0:
-        raise LogError(turned_round(prepared, names, *load.factors))
-    logs = [(names, balance, True)]
+        raise LogError(turned_round(prepared, *load.factors))
+    logs = [(prepared.names, balance, True)]
     if len(prepared) > 1:
         for i, s in enumerate(prepared.segments):
             logs.append((s.name, balance.of_log(i), _turned(balance, i)))
@@ -170,7 +168,7 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load, names: str) 
             raise LogError(driven(prepared, name, -power / error))
 
 
-def _check_drive_changes(prepared: Prepared, names: str) -> None:
+def _check_drive_changes(prepared: Prepared) -> None:
     """Reject a drive of constant magnitude and unknown scale, which looks like a friction level."""
     drive = np.concatenate([s.drive for s in prepared.segments])
     v = np.concatenate([s.signals[:, V] for s in prepared.segments])
@@ -181,8 +179,9 @@ def _check_drive_changes(prepared: Prepared, names: str) -> None:
     # around a reversal a resampled drive has other values
     if size > 0.0 and np.mean(np.abs(along - size) > 1e-3 * size) < 0.2:
         raise LogError(
-            f"{names}: the {prepared.drive} has the same magnitude, {size:.4g}, throughout: "
-            "friction of that level would explain any speed: record a drive that changes"
+            f"{prepared.names}: the {prepared.drive} has the same magnitude, {size:.4g}, "
+            "throughout: friction of that level would explain any speed: record a drive that "
+            "changes"
         )
 
 
@@ -224,15 +223,6 @@ def _left(b: Balance, gain_unknown: bool) -> float:
     target = b.drive if gain_unknown else b.drive - b.load
     size = lengths(X)
     return float(nnls(X / size, target)[1] / np.linalg.norm(b.drive))
-
-
-def _check_too_large(prepared: Prepared, load: _Load, names: str) -> None:
-    # A unit is wrong if gravity and inertia are both ten times the model's or more, and agree
-    # within a factor of two. One alone may be too small in a model, without the gripper of a wrist
-    # or the inertia of its motor.
-    alike = load.factors.max() < 2.0 * load.factors.min()
-    if np.min(load.factors - SURE * load.errors) > 10.0 and alike:
-        raise LogError(too_large(prepared, names, float(load.factors.mean())))
 
 
 def _load_factors(b: Balance) -> _Load:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, Index
 from frictionjoint.effects.signals import DT, GEAR, LOAD, Q, V
+from frictionjoint.errors import few
 from frictionjoint.identify.bundle import Bundle, Cache
 from frictionjoint.identify.commanded import Commanded
 from frictionjoint.identify.noise import Band, Noise, clear_of, corner_above_noise
@@ -181,6 +182,11 @@ class Prepared:
 
     def __len__(self) -> int:
         return len(self.segments)
+
+    @property
+    def names(self) -> str:
+        """Names of the logs, for a message."""
+        return few([s.name for s in self.segments])
 
     @cached_property
     def log_index(self) -> Index:
