@@ -8,15 +8,12 @@ viscous friction for a while after each reversal. Stribeck curves that differ by
 an asymmetry of the friction.
 """
 
-from dataclasses import replace
-
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.shape import INTEGRATED, IntegratedShape
+from frictionjoint.identify.shape import IntegratedShape
 from frictionjoint.identify.weights import reweighed
-from frictionjoint.threads import side_by_side
 
 
 def with_last_freedoms(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
@@ -29,7 +26,7 @@ def with_last_freedoms(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
             continue
         freed = refit(prepared, found.effects, free(shape), ROUGH)
         if freed.clearly_better(found):
-            found = _best_form(prepared, freed)
+            found = freed
     return (prepared, fitted) if found is fitted else reweighed(prepared, found)
 
 
@@ -41,14 +38,3 @@ def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:
     found = [refit(prepared, fitted.effects, start, ROUGH) for start in shape.with_sharp_sliding()]
     best: Fit = best_of(found, lambda f: f.drive_rms)
     return best if best.clearly_better(fitted) else fitted
-
-
-def _best_form(prepared: Prepared, fitted: Fit) -> Fit:
-    """The model with the best form of the integrated law, which changes with an added parameter."""
-    shape = fitted.shape
-    assert isinstance(shape, IntegratedShape)
-    others = [replace(shape, form=other.form) for other in INTEGRATED if other.form != shape.form]
-    with side_by_side() as each:
-        found = list(each(lambda x: refit(prepared, fitted.effects, x, ROUGH), others))
-    best: Fit = best_of([fitted, *found], lambda f: f.drive_rms)
-    return best
