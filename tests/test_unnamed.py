@@ -23,9 +23,9 @@ def test_they_are_those_of_the_samples_that_are_left(tmp_path):
     terms = SplineTerm("position", -1.7, 1.7), MissingTerm("torque")
     found = refit(before, terms, fit(before).shape)
     now = before.without_limits()
-    assert 0 < now.samples < before.samples
+    assert 0 < len(now.log_index) < len(before.log_index)
     (whole,) = _unnamed_torque(before, found, before)
     (left,) = _unnamed_torque(before, found, now)
-    assert left.shape == (now.samples, 1)
+    assert left.shape == (len(now.log_index), 1)
     still = now.segments[0].kept[before.segments[0].kept]
     np.testing.assert_array_equal(left, whole[still])

@@ -13,13 +13,11 @@ from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.segment import LEAST_LEVEL, Drive, Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import Term
+from frictionjoint.identify.terms import SHARES, Term
 from frictionjoint.identify.timing import Timing
 
 # squared weight from which on a sample counts as in motion
 IN_MOTION = 0.5
-# range of the share of the inertia behind a spring
-SHARES = (0.05, 1.0)
 
 
 @dataclass(frozen=True, eq=False)

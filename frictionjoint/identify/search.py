@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.signals import MOTOR, Q
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
-from frictionjoint.identify.fit import SHARES, Fit, implied_share
+from frictionjoint.identify.fit import Fit, implied_share
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of
@@ -31,8 +31,6 @@ CLOSE, ROUGH = 1e-6, 1e-3
 _HARDLY = 1e-9
 # highest resonance that still shows in the band of the balance, over its corner
 HEARD = 2.0
-# fits until a spring carries the share of the inertia that it implies, and least slope of a secant
-_MOST_SHARES, _LEAST_SLOPE = 4, 0.2
 # relative change of a share that does not change a fit noticeably
 _SHARE_RESOLUTION = 0.05
 # waves in the usual range of positions, or the longest log: fewer are nearly any curve. A fit may
@@ -56,34 +54,26 @@ def refit(
 
 
 def with_parts(prepared: Prepared, found: Fit, steps: int, closeness: float) -> Fit:
-    """A fit in which each spring carries the share of the inertia that its coefficient implies."""
-    for i, term in enumerate(found.terms):
-        if isinstance(term, EffectTerm) and term.effect.of_inertia:
-            found = _with_implied_part(prepared, found, i, steps, closeness)
-    return found
+    """A fit in which each spring carries the share of the inertia that its coefficient implies, or
+    the one that leaves the smallest residual.
 
-
-def _with_implied_part(prepared: Prepared, found: Fit, i: int, steps: int, closeness: float) -> Fit:
-    """The fit with the implied share of the inertia behind the spring of term i, by secants.
-
-    With a share that is too small the fitted inertia is too small as well, so fit and implied share
-    in turn would approach it slowly.
+    Fit and implied share in turn would not converge: with a share that is too small, the fitted
+    inertia is too small as well.
     """
-    slope, before = -1.0, None
-    for _ in range(_MOST_SHARES):
+    for i in range(len(found.terms)):
         term = found.terms[i]
-        assert isinstance(term, EffectTerm)
-        now = math.log(term.part)
-        apart = math.log(implied_share(prepared, found, i)) - now
-        if abs(apart) <= _SHARE_RESOLUTION:
-            break
-        if before is not None:
-            slope = min((apart - before[1]) / (now - before[0]), -_LEAST_SLOPE)
-        before = now, apart
-        part = float(np.clip(math.exp(now - apart / slope), *SHARES))
-        terms = in_place(found.terms, i, replace(term, part=part))
-        search = Search(prepared, terms, found.shape)
-        found = search.result(search.run(search.start, steps, closeness).x)
+        if not (isinstance(term, EffectTerm) and term.effect.of_inertia):
+            continue
+        share = implied_share(prepared, found, i)
+        if abs(share - term.part) <= _SHARE_RESOLUTION * term.part:
+            continue
+        free: Term = replace(term, part=share, part_searched=True)
+        search = Search(prepared, in_place(found.terms, i, free), found.shape)
+        shape, terms = search.split(search.run(search.start, steps, closeness).x)
+        best = terms[i]
+        assert isinstance(best, EffectTerm)
+        last = Search(prepared, in_place(terms, i, replace(best, part_searched=False)), shape)
+        found = best_of([found, last.result(last.start)], lambda f: f.drive_rms)
     return found
 
 

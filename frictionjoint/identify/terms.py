@@ -89,14 +89,19 @@ class Term(Protocol):
         return self.columns(segment, signals) @ coefficients
 
 
+# range of the share of the inertia behind a spring
+SHARES = (0.05, 1.0)
+
+
 @dataclass(frozen=True)
 class EffectTerm(Term):
     """An effect of the catalogue with given shape numbers, and the ratio of its own inertia to the
-    inertia on which gravity acts, see `fit.implied_share`."""
+    inertia on which gravity acts, see `fit.implied_share`; a search may move that too."""
 
     effect: Effect = NOTHING
     shape: tuple[float, ...] = ()
     part: float = 1.0
+    part_searched: bool = False
 
     @property
     def name(self) -> str:
@@ -110,18 +115,22 @@ class EffectTerm(Term):
 
     @property
     def free_shape(self) -> tuple[float, ...]:
-        """Shape numbers after the fixed references."""
-        return self.shape[self.effect.shape_fixed :]
+        """Numbers that a search moves: the shape after the fixed references, and the ratio."""
+        return (*self.shape[self.effect.shape_fixed :], *[self.part] * self.part_searched)
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Bounds of the effect."""
-        found = self.effect.shape_bounds[self.effect.shape_fixed :]
-        return found or ((-np.inf, np.inf),) * len(self.free_shape)
+        """Bounds of these numbers."""
+        fixed = self.effect.shape_fixed
+        found = self.effect.shape_bounds[fixed:] or ((-np.inf, np.inf),) * len(self.shape[fixed:])
+        return (*found, *[SHARES] * self.part_searched)
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
-        """The effect with other shape numbers."""
-        return replace(self, shape=(*self.shape[: len(self.shape) - len(shape)], *shape))
+        """The effect with other values of its last numbers."""
+        part = self.part
+        if self.part_searched:
+            shape, part = shape[:-1], shape[-1]
+        return replace(self, shape=(*self.shape[: len(self.shape) - len(shape)], *shape), part=part)
 
     @property
     def follows_law(self) -> bool:
