@@ -39,6 +39,17 @@ YIELD = ARM.format(
     'coef="1"/></fixed></tendon>',
 )
 
+# a link behind a spring, and behind a gap of 0.02 rad
+BEHIND = '<joint name="elbow_deflection" axis="0 1 0" {}/>'
+ELASTIC, PLAY = (
+    ARM.format(joint='armature="0.02" damping="0.3"', more=BEHIND.format(more), end="")
+    for more in (
+        'stiffness="60" damping="0.05"',
+        'limited="true" range="-0.573 0.573" solimplimit="0.0001 0.0001 1 0.5 1" '
+        'solreflimit="-10000 -80"',
+    )
+)
+
 
 def simulated(mjcf: str, drive: str = "torque") -> JointLog:
     """A log of an arm under a torque of two sines that moves it past both directions."""
@@ -61,11 +72,12 @@ def simulated(mjcf: str, drive: str = "torque") -> JointLog:
     return JointLog(name="log", joint="elbow", time=time[kept], position=position[kept], **given)
 
 
-@pytest.mark.parametrize("name", ["none", "coulomb", "lugre", "yield"])
+@pytest.mark.parametrize("name", ["none", "coulomb", "lugre", "yield", "elastic", "play"])
 def test_a_model_that_made_the_log_is_near_it_and_another_is_not(name: str) -> None:
     if name == "yield" and not hasattr(mujoco.MjModel, "jnt_springyield"):
         pytest.skip("yield springs need MuJoCo 4.0")
-    model = {"none": NONE, "coulomb": COULOMB, "lugre": LUGRE, "yield": YIELD}[name]
+    models = {"none": NONE, "coulomb": COULOMB, "lugre": LUGRE, "yield": YIELD}
+    model = (models | {"elastic": ELASTIC, "play": PLAY})[name]
     log = simulated(model)
     own = fj.evaluate(model, [log]).joints["elbow"]
     other = fj.evaluate(NONE if name != "none" else COULOMB, [log]).joints["elbow"]
@@ -78,6 +90,8 @@ def test_a_model_that_made_the_log_is_near_it_and_another_is_not(name: str) -> N
         "coulomb": "frictionloss 0.3 and damping 0.05",
         "lugre": "dcmotor f with LuGre friction",
         "yield": "1 yield spring",
+        "elastic": "damping 0.3",
+        "play": "damping 0.3",
     }
     assert own.friction == words[name]
 

@@ -268,6 +268,41 @@ def test_differences_within_the_error_of_a_law_are_not_stated() -> None:
     assert not [note for note in found.notes if "Coulomb friction varies" in note]
 
 
+def test_a_parameter_that_hardly_reduces_the_error_does_not_differ(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Static friction of three recordings, many standard errors apart."""
+    k = known()
+    i = [x.name for x in k.numbers].index("Fs - Fc")
+
+    def told(squares: float) -> bool:
+        values = []
+        for level in (0.05, 0.06, 0.07):
+            value, one = k.values.copy(), np.ones(len(k.values))
+            value[i] = level
+            values.append(
+                SimpleNamespace(
+                    log="log",
+                    value=value,
+                    stderr=0.001 * one,
+                    independent=0.001 * one,
+                    dof=20.0,
+                    informed=one,
+                    squares=squares,
+                    temperature=np.nan,
+                    speed=1.0,
+                    direction=0.0,
+                    load=1.0,
+                )
+            )
+        monkeypatch.setattr("frictionjoint.recordings.in_report.Estimates", lambda *_: values.pop())
+        notes = with_recordings(Stated.of(k), [recording(1)] * 3).notes
+        return any("above Coulomb" in x for x in notes)
+
+    assert told(squares=100.0)
+    assert not told(squares=10000.0)
+
+
 def test_recordings_that_are_not_compared_are_said() -> None:
     stated = Stated.of(known(error=0.0))
     logs = [recording(30 + i) for i in range(3)]

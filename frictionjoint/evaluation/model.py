@@ -40,6 +40,7 @@ class EvaluatedModel:
     Attributes:
         model: compiled, without contacts. joints: names of the joints to evaluate. dofs, qpos:
             their addresses, shape (k,).
+        links: joints between motor and link, which the friction model itself has added.
         controls: index in `ctrl` of each joint's drive; None if the drive is a torque.
     Raises:
         ModelError: the model does not compile, has no such joint, or no actuator for a voltage.
@@ -64,9 +65,8 @@ class EvaluatedModel:
             name: None if i is None else _control_of(self.model, i) for name, i in used.items()
         }
         self._silence({i for i in used.values() if i is not None})
-        # links behind springs, which the friction model itself has added
-        links = [j for name in self.joints if (j := deflection(self.model, name)) >= 0]
-        lock(self.model, *ids, *led, *links)
+        self.links = [j for name in self.joints if (j := deflection(self.model, name)) >= 0]
+        lock(self.model, *ids, *led, *self.links)
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
 
     @property

@@ -1,19 +1,21 @@
 """The torque that a model requires along a measured motion, and its states on the way.
 
 The torque is MuJoCo's inverse dynamics of the model with all its friction. Friction states, of this
-package and of MuJoCo, are integrated along the motion.
+package and of MuJoCo, and links behind springs or gaps are integrated along the motion.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
-from frictionjoint.replay.prescribed_motion import Prescribed
+from frictionjoint.replay.prescribed_motion import Free, Prescribed
 from frictionjoint.simulate.thermal import temperature_setters
 
 # an explicit integrator, so that friction gives the torque at the present time, not at the end of
@@ -21,6 +23,7 @@ from frictionjoint.simulate.thermal import temperature_setters
 _EXPLICIT = int(mujoco.mjtIntegrator.mjINT_RK4)
 # the stage up to which a forward pass has come
 _VELOCITY = int(mujoco.mjtStage.mjSTAGE_VEL)
+_NO_TORQUE: Array = np.zeros(0)
 STATE = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 
 
@@ -45,9 +48,11 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     """Compute the torque that a model needs along a recording, at the measured temperatures, and
     states `every` samples apart."""
     model, data = m.model, mujoco.MjData(m.model)
-    before = model.opt.timestep, model.opt.integrator, model.opt.disableflags
+    before = model.opt.timestep, model.opt.integrator
     model.opt.timestep = recording.step
     moved = Prescribed(model, data, recording.motion | recording.led)
+    links = Free(model, data, m.links) if m.links else None
+    limits = _Limits(m)
     n = len(recording.time)
     needed, acting = np.empty((n, len(m.joints))), np.zeros((n, len(m.joints)))
     drives = [(i, recording.drive[name]) for name, i in m.controls.items() if i is not None]
@@ -58,14 +63,14 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     heats: list[tuple[Callable[[float], None], Array]] = []
     with m.acting():
         model.opt.integrator = _EXPLICIT
-        _without_limits(model, True)
+        limits.release()
         for k, time in enumerate(recording.time.tolist()):
             data.time = time
             moved.put(k)
             for i, drive in drives:
                 control[i] = drive[k]
             if k % every == 0:
-                _without_limits(model, False)
+                limits.restore()
                 mujoco.mj_forward(model, data)
                 if k == 0:
                     setters = temperature_setters(model, data)
@@ -77,9 +82,11 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
                 mujoco.mj_getState(model, data, states[-1], STATE)
                 qacc[:] = 0.0
                 moved.put(k)
-                _without_limits(model, True)
+                limits.release()
             else:
                 _heat(heats, k)
+            if links:
+                links.accelerate(_NO_TORQUE)
             if acts:
                 mujoco.mj_fwdPosition(model, data)
                 mujoco.mj_fwdVelocity(model, data)
@@ -90,14 +97,19 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
                 mujoco.mj_inverse(model, data)
             needed[k] = inverse[dofs]
             if remembers:
-                _without_limits(model, False)
+                limits.restore()
                 model.opt.integrator = before[1]
+                now = data.qpos.copy(), data.qvel.copy(), qacc.copy()
                 mujoco.mj_step(model, data)
+                data.qpos[:], data.qvel[:], qacc[:] = now
                 model.opt.integrator = _EXPLICIT
-                _without_limits(model, True)
+                limits.release()
+            if links:
+                links.advance()
     given = np.array([m.controls[name] is not None for name in m.joints]) * acting
     needed -= acting - given
-    model.opt.timestep, model.opt.integrator, model.opt.disableflags = before
+    limits.restore()
+    model.opt.timestep, model.opt.integrator = before
     return Along(
         dict(zip(m.joints, needed.T, strict=True)),
         dict(zip(m.joints, given.T, strict=True)),
@@ -112,7 +124,24 @@ def _heat(heats: Sequence[tuple[Callable[[float], None], Array]], k: int) -> Non
         put(float(celsius[k]))
 
 
-def _without_limits(model: mujoco.MjModel, off: bool) -> None:
-    """Disable joint limits, whose torque in a measured motion is unknown, or enable them."""
-    bit = int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
-    model.opt.disableflags = model.opt.disableflags | bit if off else model.opt.disableflags & ~bit
+class _Limits:
+    """Limits of a model: their torque in a measured motion is unknown, but for the flanks of a gap
+    between motor and link."""
+
+    def __init__(self, m: EvaluatedModel) -> None:
+        self._of = m.model.jnt_limited, m.model.tendon_limited
+        self._all = [x.copy() for x in self._of]
+        self._flanks = [np.zeros_like(x) for x in self._of]
+        self._flanks[0][m.links] = self._all[0][m.links]
+
+    def release(self) -> None:
+        """Disable all but the flanks."""
+        self._set(self._flanks)
+
+    def restore(self) -> None:
+        """Enable them again."""
+        self._set(self._all)
+
+    def _set(self, limited: list[NDArray[Any]]) -> None:
+        for own, value in zip(self._of, limited, strict=True):
+            own[:] = value

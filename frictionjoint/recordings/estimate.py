@@ -106,6 +106,7 @@ class Estimates:
         numbers: the p parameters. value: shape (p,).
         stderr: standard errors from blocks of time, shape (p,). independent: what they would be if
             samples were independent, shape (p,). dof: degrees of freedom of `stderr`.
+        squares: sum of the squared residual, in units of its variance.
         informed: fraction of the information on each parameter that comes from the recording and
             not from the prior, 0 to 1, shape (p,).
         temperature, load, speed: means that may explain a difference between recordings, deg C, N m
@@ -152,7 +153,7 @@ class Estimates:
             held = held | impossible
         self.log, self.numbers = log.name, tuple(numbers)
         self.value, self.stderr, self.dof = value, stderr, dof
-        self.independent = steps[0][1].independent[:-1]
+        self.independent, self.squares = steps[0][1].independent[:-1], steps[0][1].squares
         # as for independent samples, an upper limit of the information in the recording
         self.informed = np.clip(1.0 - (self.independent / sizes) ** 2, 0.0, 1.0)
         v = np.concatenate([x.velocity for x in measured])
@@ -216,11 +217,13 @@ class _Balance(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """Change of the parameters, share of each block of time in its error, and `independent`."""
+    """Change of the parameters, share of each block of time in its error, `independent` and
+    `squares`."""
 
     step: Array
     influence: Array
     independent: Array
+    squares: float
 
 
 def _solve(balances: Sequence[_Balance], prior: Array) -> _Step:
@@ -244,7 +247,8 @@ def _solve(balances: Sequence[_Balance], prior: Array) -> _Step:
         np.add.at(score, x.block, x.by * own[:, None])
         scores.append(score / variance)
     inverse = np.linalg.inv(precision)
-    return _Step(step, -np.concatenate(scores) @ inverse, np.sqrt(np.diag(inverse)))
+    influence, independent = -np.concatenate(scores) @ inverse, np.sqrt(np.diag(inverse))
+    return _Step(step, influence, independent, float(w @ squares) / variance)
 
 
 def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) -> _Balance:

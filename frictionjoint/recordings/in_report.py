@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from frictionjoint.control.reconstruct import with_known_drive
-from frictionjoint.decisions import SIGNIFICANCE
+from frictionjoint.decisions import SIGNIFICANCE, TIE
 from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import FrictionJointError, ParameterError
 from frictionjoint.identify.held import Pose
@@ -60,7 +60,8 @@ def with_recordings(
         # one false alarm in twenty reports, over all parameters; and no law is exact, so values of
         # recordings of unlike motion differ by its error, or by that of the parameter
         least = max(stderr, STICKING_ERROR * abs(between.mean))
-        if between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > least:
+        sure = between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > least
+        if sure and _explained(own, i) > TIE:
             column = np.zeros((len(known.cov), 1))
             column[list(number.indices)] = between.deviation
             columns.append(column)
@@ -91,6 +92,16 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
         )
     content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
     return Known(report.mjcf, report.joint, content, cov, fixed, constraint, report.bandwidth_hz)
+
+
+def _explained(found: Sequence[Estimates], i: int) -> float:
+    """Fraction of the squared residual that differences of a parameter between recordings explain
+    and no other parameter does. Where it is small, they are as likely the error of the model, to
+    which parameters that trade off in a recording adapt."""
+    value, stderr = (np.array([getattr(x, k)[i] for x in found]) for k in ("value", "independent"))
+    w = stderr**-2.0
+    Q = float(w @ (value - w @ value / w.sum()) ** 2)
+    return Q / (Q + sum(x.squares for x in found))
 
 
 def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dict[str, Any]:

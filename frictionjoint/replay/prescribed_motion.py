@@ -62,6 +62,11 @@ class Free:
 
     def step(self, torque: Array) -> None:
         """One semi-implicit step with torques on the first free joints."""
+        self.accelerate(torque)
+        self.advance()
+
+    def accelerate(self, torque: Array) -> None:
+        """Set the accelerations that torques on the first free joints cause."""
         self._qacc[self._dofs] = 0.0
         mujoco.mj_inverse(self._model, self._data)
         for row, unit in zip(self._rows, self._units, strict=True):
@@ -70,5 +75,9 @@ class Free:
         taken[: len(torque)] += torque
         mass = self._rows[:, self._dofs]
         gained = taken / mass[0] if len(taken) == 1 else np.linalg.solve(mass, taken)
-        self._qvel[self._dofs] += self.dt * gained
+        self._qacc[self._dofs] = gained
+
+    def advance(self) -> None:
+        """Move on by a time step with these accelerations."""
+        self._qvel[self._dofs] += self.dt * self._qacc[self._dofs]
         self._qpos[self._at] += self.dt * self._qvel[self._dofs]
