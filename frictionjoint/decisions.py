@@ -30,6 +30,8 @@ SURELY = 2.0
 CLEARLY = 0.05
 # K: a temperature that changes by less holds nothing but its sensor's flicker
 LEAST_WARMING = 1.0
-# what counts as explained: a residual up to this multiple of the instruments' noise, or one that is
-# correlated for no longer than this multiple of filtered white noise
+# what counts as explained: a residual up to this multiple of the instruments' noise, or, where that
+# is unknown, one that is correlated for no longer than this multiple of filtered white noise
 AT_THE_FLOOR, AS_WHITE = 1.5, 3.0
+# noise over the drive, of 14 bits: a smaller estimate is none of an instrument's noise
+LEAST_NOISE = 1e-4

@@ -103,3 +103,35 @@ def test_what_diverges_is_not_explained() -> None:
     found: Any = SimpleNamespace(findings=("spring",), unexplained=())
     better = (Rms(2.0, 2.0), Rms(None, None)), (Rms(0.1, 0.1), Rms(None, None))
     assert verdict(found, *better, diverges=True) == "partly-explained"
+
+
+def test_white_residuals_far_above_the_noise_are_not_explained() -> None:
+    better = (Rms(2.0, 2.0), Rms(None, None)), (Rms(0.1, 0.1), Rms(None, None))
+    rest = np.random.default_rng(0).standard_normal(1000)
+
+    def said(noise: float) -> str:
+        part = SimpleNamespace(
+            bandwidth_hz=10.0, dt=0.05, step=1, noise=SimpleNamespace(left=lambda _: (noise**2, 0))
+        )
+        final = SimpleNamespace(
+            effects=(),
+            layout=None,
+            residual=rest,
+            weight=np.ones(1000),
+            log_index=np.zeros(1000, dtype=int),
+            rms_in_motion=1.0,
+            target_rms=100.0,
+            gain=1.0,
+        )
+        found: Any = SimpleNamespace(
+            findings=("spring",),
+            unexplained=(),
+            final=final,
+            prepared=SimpleNamespace(segments=[part]),
+        )
+        return verdict(found, *better, diverges=False)
+
+    assert said(1.0) == "explained"
+    assert said(0.1) == "partly-explained"
+    # no instrument has so little noise, so that its level is unknown
+    assert said(1e-4) == "explained"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from frictionjoint.decisions import AS_WHITE, AT_THE_FLOOR
+from frictionjoint.decisions import AS_WHITE, AT_THE_FLOOR, LEAST_NOISE
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.identify.blocks import correlation_time
 from frictionjoint.identify.fit import Fit
@@ -20,7 +20,8 @@ def noise_floor(prepared: Prepared, gain: float) -> float:
 def verdict(
     found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms], diverges: bool
 ) -> Verdict:
-    """`explained` requires a residual at the level of the instrument noise, or as white as noise.
+    """`explained` requires a residual at the level of the instrument noise, or as white as noise
+    where that level is unknown.
 
     It is not given if held-out logs or the replay contradict it or have more than twice the torque
     error, if the replay diverges, or if an added parameter reached the end of its range.
@@ -35,11 +36,11 @@ def verdict(
     contradicted = worse or after[0].only_fitted
     if not found.findings or found.unexplained or contradicted or _at_a_bound(found.final):
         return "partly-explained"
-    at_floor = found.final.rms_in_motion <= AT_THE_FLOOR * noise_floor(
-        found.prepared, found.final.gain
-    )
-    white = at_floor or _is_white(found.final, found.prepared)
-    return "explained" if white else "partly-explained"
+    final, noise = found.final, noise_floor(found.prepared, found.final.gain)
+    as_noise = final.rms_in_motion <= AT_THE_FLOOR * noise
+    if noise < LEAST_NOISE * final.target_rms:
+        as_noise = as_noise or _is_white(final, found.prepared)
+    return "explained" if as_noise else "partly-explained"
 
 
 def _at_a_bound(fitted: Fit) -> bool:

@@ -44,6 +44,17 @@ class LawStart:
         return cls(excess, Vs * top_speed, delta, length, bend)
 
 
+def with_excess(before: tuple[float, float, float], excess: float) -> tuple[float, float, float]:
+    """A Stribeck curve (Fs / Fc - 1, Vs, delta) of another height that resembles one.
+
+    A lower one has value and slope of the higher one where it has fallen to 1/e of its own height,
+    so that they differ at lower speeds only.
+    """
+    height, Vs, delta = before
+    steeper = 1.0 + np.log(height / excess) if 0.0 < excess < height else 1.0
+    return excess, float(Vs * steeper ** (1.0 / delta)), float(delta * steeper)
+
+
 def falls(speed: Array) -> Array:
     """Basis functions of the level over speed as a fraction of the top speed, shape (n,): a
     constant, then decreasing ones, shape (n, 1 + f)."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ParameterError
-from frictionjoint.identify.law_start import LawStart
+from frictionjoint.identify.law_start import LawStart, with_excess
 from frictionjoint.identify.shape import (
     INTEGRATED,
     STIFFER,
@@ -121,7 +121,10 @@ class RivalShape(KernelShape):
 
     def with_assumed_breakaway(self, excess: float) -> Self:
         """The shape with Fs = (1 + excess) Fc, not searched."""
-        return replace(self, numbers=(excess, *self.numbers[1:]), breakaway_assumed=True)
+        height, log_Vs, delta, *own = self.numbers
+        excess, Vs, delta = with_excess((height, float(np.exp(log_Vs)), delta), excess)
+        numbers = (excess, float(np.log(Vs)), delta, *own)
+        return replace(self, numbers=numbers, breakaway_assumed=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
         """The law with a Coulomb level."""

@@ -13,7 +13,7 @@ from typing import Any, Protocol, Self, get_args
 import numpy as np
 
 from frictionjoint.arrays import Array, Index
-from frictionjoint.identify.law_start import LawStart
+from frictionjoint.identify.law_start import LawStart, with_excess
 from frictionjoint.law import integrated
 from frictionjoint.law.motion import drive_motions
 from frictionjoint.law.stribeck import DELTA, FS, VS
@@ -287,8 +287,10 @@ class IntegratedShape(KernelShape):
 
     def with_assumed_breakaway(self, excess: float) -> Self:
         """The shape with Fs = (1 + excess) Fc in both directions, not searched."""
-        negative = self.negative and (excess, self.negative[1])
-        return replace(self, excess=excess, negative=negative, breakaway_assumed=True)
+        excess, Vs, delta = with_excess((self.excess, self.Vs, self.delta), excess)
+        negative = self.negative and with_excess((*self.negative, self.delta), excess)[:2]
+        fixed = replace(self, excess=excess, negative=negative, breakaway_assumed=True)
+        return replace(fixed, Vs=Vs, delta=delta)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""

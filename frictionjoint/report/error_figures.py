@@ -7,6 +7,7 @@ error or far below the resolution of an instrument, and a percentage of a drive 
 from dataclasses import dataclass, field
 from typing import Literal
 
+from frictionjoint.decisions import LEAST_NOISE
 from frictionjoint.report.content import Content
 from frictionjoint.report.wording import drive_name, percentage, three
 
@@ -119,8 +120,7 @@ def noise_of(content: Content, unit: str) -> tuple[str, float | None]:
         return _NO_NOISE, None
     whole = content.get("drive", {}).get("rms", {}).get("after", {})
     drive = max((x for x in whole.values() if x), default=None)
-    # no instrument resolves less than 14 bits of its range
-    if drive and estimate < 1e-4 * drive:
+    if drive and estimate < LEAST_NOISE * drive:
         return (
             f"The noise of the instruments is not stated: its estimate, {three(estimate)} {unit}, "
             "is less than instruments resolve. The log may have been filtered or simulated."
