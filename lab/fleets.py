@@ -17,11 +17,13 @@ import argparse
 import mujoco
 import numpy as np
 
+from frictionjoint.decisions import TIE
 from frictionjoint.files import toml_document
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.between import over
 from frictionjoint.recordings.drift import judged
 from frictionjoint.recordings.estimate import Estimates, Known
+from frictionjoint.recordings.in_report import explained
 from frictionjoint.refine.posterior import numbers_in
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import install
@@ -115,7 +117,8 @@ def main():
             i = [number.name for number in known.numbers].index(name)
             over_each = [over(own, i) for own in fleets]
             inside = np.mean([x.interval[0] < value < x.interval[1] for x in over_each])
-            told = np.mean([x.p_value < LEVEL for x in over_each])
+            pairs = zip(over_each, fleets, strict=True)
+            told = np.mean([x.p_value < LEVEL and explained(own, i) > TIE for x, own in pairs])
             stated = np.mean([x.deviation for x in over_each]) / value
             print(
                 f"| {name} | {spread:.0%} | {len(fleets)} | {inside:.0%} | {told:.0%} | "

@@ -74,7 +74,10 @@ def test_a_stiffness_that_the_encoder_does_not_resolve_is_assumed():
     # no softer than what the logs would have shown
     law = law_parameters(found)
     assert stiffness.value == pytest.approx(law.stiffness)
-    assert stiffness.value >= 0.99 * law.Fs_pos / shortest(prepared)
+    assert stiffness.value == pytest.approx(law.Fs_pos / shortest(prepared), rel=0.01)
+    # that of a search, which nothing limits, is not taken
+    short = replace(found.shape, length=1e-9, stiffness_assumed=False)
+    assert short.with_assumed_stiffness(1e-5).length == 1e-5
     assert law.Fc_pos == pytest.approx(LEVEL, rel=0.02)
 
 
@@ -210,3 +213,18 @@ def moves_at_rest(found) -> float:
             if data.time > 10.0:
                 places.append(data.qpos[0])
     return float(np.ptp(places))
+
+
+def test_a_lower_assumed_breakaway_friction_keeps_what_the_logs_show():
+    """The fall at the speeds of the logs, and the stiffness."""
+    _, found = fitted(300.0, noise=0.1)
+    high = replace(found.shape, excess=2.87, Vs=0.0037, delta=0.404)
+    low = high.with_assumed_breakaway(0.33)
+
+    def level(shape, v):
+        return shape.excess * np.exp(-((v / shape.Vs) ** shape.delta))
+
+    for v in (0.05, 0.1, 0.2):
+        assert level(low, v) == pytest.approx(level(high, v), abs=0.02)
+    before, after = (shape.parameters(1.0, 0.0).stiffness for shape in (high, low))
+    assert after == pytest.approx(before)

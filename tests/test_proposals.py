@@ -114,6 +114,8 @@ def test_every_motion_tried_shows_ends_in_time_and_has_the_speed_in_its_name(cou
         (Limits(-0.4, 0.4, 4.0, 8.0), 0.01),
         (Limits(-400.0, 400.0, 40.0, 20.0), 0.01),
         (Limits(-400.0, 400.0, 40.0, 20.0), 10.0),
+        # a speed that passes the range in a third of a second
+        (Limits(-1.1, 1.1, 6.8, 300.0), 0.01),
     ):
         tried = list(family(limits, counted, presliding))
         assert any("slow reversals" in m.name for m in tried)
@@ -124,5 +126,7 @@ def test_every_motion_tried_shows_ends_in_time_and_has_the_speed_in_its_name(cou
             named = re.search(r"constant ([\d.e-]+)", m.name)
             if named:
                 assert m.speed == pytest.approx(float(named[1]), rel=0.06)
+                # held for half a second in each direction
+                assert m.speed < 1.1 * limits.reach / 0.5
     assert not any("reversals" in m.name for m in family(limits, counted, 1e-5))
     assert not list(family(Limits(0.0, COUNT, 0.1, 1.0), counted, 0.01))

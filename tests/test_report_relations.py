@@ -4,12 +4,14 @@ A dozen contents of report.json, made up to contradict themselves as reports hav
 report of the shipped logs, go through the one module that derives what is shown.
 """
 
+import copy
 import math
 import re
 
 import pytest
 from reports import COGGING, LAW, empty, estimate, good, robot
 
+from frictionjoint.diagnose.outcome import _alike_hint
 from frictionjoint.effects.catalogue import title
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.numbers import result_estimates
@@ -230,6 +232,29 @@ def test_an_implausible_noise_is_withheld_with_its_reason():
     assert Summary(REPORTS["noise above the error"]).noise_level == 0.02
 
 
+def test_a_candidate_above_the_threshold_says_why_it_was_not_added():
+    (row,) = REPORTS["suspected, but rejected"]["candidates"][0]["rows"]
+    shares = {0.0: "not once the friction law", 0.95: "a dependence that is no known effect"}
+    for share, why in shares.items():
+        rest = [{"variable": "time", "share": share}] if share else []
+        content = REPORTS["suspected, but rejected"] | {"unexplained": rest}
+        ((own, *_),) = Summary(content).steps
+        assert own.gain == row["gain"]
+        assert own.outcome.startswith(f"not added: {why}")
+
+
+def test_an_effect_that_hardly_reduces_the_error_is_not_called_missing():
+    content = good(added__0__evidence=WEAK | {"held_out_gain": 0.007, "p_value": 0.001})
+    said = line(Summary(content), "Missing")
+    assert said.startswith("Nothing for certain; also in the model")
+    assert "by 0.7% only" in said
+
+
+def test_causes_that_logs_do_not_tell_apart_are_no_names_of_logs():
+    said = Summary(good(notes=[_alike_hint("time", x) for x in ("velocity", "load")])).notes
+    assert len(said) == 2
+
+
 def test_a_robot_has_the_figures_of_its_joints():
     s = RobotSummary(ROBOT)
     for row in s.rows:
@@ -247,6 +272,20 @@ def test_a_robot_has_the_figures_of_its_joints():
     assert "rotor inertia of elbow" in line(s, "Could also be").lower()
     told = summary_text(ROBOT).splitlines()
     assert sum(x.startswith("* ") for x in told) <= 6
+
+
+def test_what_a_robot_does_not_call_missing_has_no_rivals_and_is_said_apart():
+    content = copy.deepcopy(ROBOT)
+    name, own = next((n, x) for n, x in content["joints"].items() if x["added"])
+    own["added"][0]["evidence"] |= {"ties": ["spring"]}
+    assert f"in {name}, {title('spring')} instead" in line(RobotSummary(content), "Could also be")
+    own["added"][0]["evidence"] |= {"p_value": 0.9}
+    s = RobotSummary(content)
+    assert title("spring") not in line(s, "Could also be")
+    (row,) = (x for x in s.rows if x.joint == name)
+    missing, unsure = row.effects.split("; in the model, but not supported: ")
+    assert "p = 0.9" in unsure
+    assert "p = 0.9" not in missing
 
 
 def test_what_held_out_logs_leave_to_chance_is_said():

@@ -60,6 +60,10 @@ def what_to_record(
     for variable, cause in unexplained.items():
         if cause:
             again = "the same motion, once its cause is corrected"
+            if variable == "torque":
+                again = (
+                    "a motion below the torque that saturates, or the torque that acts in the log"
+                )
             found[(variable,)] = f"To find what else depends on {quantity(variable)}: {again}."
             continue
         motion = "one motion at low and at high values of it"

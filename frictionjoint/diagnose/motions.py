@@ -163,8 +163,10 @@ def _any_motion(
     top = _top(limits)
     for f in np.geomspace(0.25 * natural, min(top, 0.5 * bandwidth), 5):
         yield motion(f"a sine of {f:.2g} Hz", _sine(t, f, limits), _easing(f) + 1.0 / f)
-    # half of the way, the joint has the speed that the motion is named by
-    top_speed = min(limits.speed, math.sqrt(0.5 * limits.reach * limits.acceleration))
+    # half of the way, the joint has the speed that the motion is named by, for half a second
+    top_speed = min(
+        limits.speed, math.sqrt(0.5 * limits.reach * limits.acceleration), limits.reach / 0.5
+    )
     speeds = [part * top_speed for part in (1.0, 0.3, 0.05)]
     for speed in speeds:
         name = f"in both directions at a constant {speed:.2g} {unit}/s"

@@ -111,8 +111,8 @@ def _event_note(found: Trace) -> tuple[str, ...]:
     at = int(np.argmax(squares * (window == worst)))
     return (
         f"{segments[name[at]].name}: {share:.0%} of the squared error lies in {EVENT_S:g} s, at "
-        f"{time[at]:.4g} s: look there for a knock, a wrong reading, or a motion that is too fast "
-        "for the sample rate.",
+        f"{time[at]:.4g} s: look there for a knock, a wrong reading, a torque that the drive did "
+        "not deliver, or a motion that is too fast for the sample rate.",
     )
 
 

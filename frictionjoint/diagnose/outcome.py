@@ -121,7 +121,9 @@ def _settled(
 
 def _alike_hint(one: str, other: str) -> str:
     first, second = (name.removesuffix("_c") for name in (one, other))
-    return f"These logs do not show whether {first} or {second} is the cause: both explain as much."
+    return (
+        f"These logs do not show whether {first} or {second} is the cause, as both explain as much."
+    )
 
 
 def _unnamed_torque(before: Prepared, fitted: Fit, now: Prepared) -> tuple[Array, ...]:

@@ -282,15 +282,18 @@ class IntegratedShape(KernelShape):
         return replace(self, negative=self.negative or (self.excess, self.Vs))
 
     def with_assumed_stiffness(self, reach: float) -> Self:
-        """The shape with a presliding length of at most `reach`, rad (m), not searched."""
-        return replace(self, length=min(reach, self.length), stiffness_assumed=True)
+        """The shape with a presliding length of `reach`, rad (m), not searched."""
+        return replace(self, length=reach, stiffness_assumed=True)
 
     def with_assumed_breakaway(self, excess: float) -> Self:
         """The shape with Fs = (1 + excess) Fc in both directions, not searched."""
         excess, Vs, delta = with_excess((self.excess, self.Vs, self.delta), excess)
         negative = self.negative and with_excess((*self.negative, self.delta), excess)[:2]
         fixed = replace(self, excess=excess, negative=negative, breakaway_assumed=True)
-        return replace(fixed, Vs=Vs, delta=delta)
+        length = self.length
+        if not self.stiffness_assumed:  # it remains
+            length *= (1.0 + excess) / (1.0 + self.excess)
+        return replace(fixed, Vs=Vs, delta=delta, length=length)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
         """The law at a Coulomb level."""

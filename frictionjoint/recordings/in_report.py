@@ -61,7 +61,7 @@ def with_recordings(
         # recordings of unlike motion differ by its error, or by that of the parameter
         least = max(stderr, STICKING_ERROR * abs(between.mean))
         sure = between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > least
-        if sure and _explained(own, i) > TIE:
+        if sure and explained(own, i) > TIE:
             column = np.zeros((len(known.cov), 1))
             column[list(number.indices)] = between.deviation
             columns.append(column)
@@ -94,7 +94,7 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
     return Known(report.mjcf, report.joint, content, cov, fixed, constraint, report.bandwidth_hz)
 
 
-def _explained(found: Sequence[Estimates], i: int) -> float:
+def explained(found: Sequence[Estimates], i: int) -> float:
     """Fraction of the squared residual that differences of a parameter between recordings explain
     and no other parameter does. Where it is small, they are as likely the error of the model, to
     which parameters that trade off in a recording adapt."""

@@ -8,6 +8,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from frictionjoint.decisions import TIE
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.content import Content
@@ -70,13 +71,25 @@ def _doubt(
         return f"p = {three(p)}"
     if gain <= 0.0:
         return "it does not reduce the error on motion that it was not fitted to"
+    if gain < TIE:
+        return (
+            f"it reduces the squared error on motion that it was not fitted to by {gain:.1%} only"
+        )
     if not size_is_determined(name, parameters):
         return "its size does not differ from zero by two standard errors"
     return ""
 
 
-def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, ...]:
-    """Candidates that were tried in one step of the search, best first."""
+def step_of(
+    look: Content, effects: tuple[EffectRow, ...], content: Content
+) -> tuple[Candidate, ...]:
+    """Candidates that were tried in one step of the search of a report, best first."""
+    limits = content.get("thresholds") or {}
+
+    def enough(row: Content) -> bool:
+        return bool(row["gain"] >= limits["gain"] and row["p_value"] <= limits["p_value"])
+
+    unnamed = max((x["share"] for x in content["unexplained"]), default=0.0)
     chosen = next((e for e in effects if e.name == look["chosen"]), None)
     found = []
     for row in sorted(look["rows"], key=lambda r: -r["gain"]):
@@ -87,6 +100,11 @@ def step_of(look: Content, effects: tuple[EffectRow, ...]) -> tuple[Candidate, .
             outcome = "added" if chosen else "added, replaced later"
         elif chosen and name in chosen.rivals:
             outcome = "could also be"
+        elif not look["chosen"] and limits and enough(row):
+            why = "not once the friction law was fitted together with it"
+            if unnamed >= row["gain"]:
+                why = "a dependence that is no known effect removes more"
+            outcome = f"not added: {why}"
         found.append(Candidate(name, max(0.0, row["gain"]), row["p_value"], outcome))
     return tuple(found)
 
@@ -103,7 +121,7 @@ def smallest_of(content: Content, unit: str) -> tuple[tuple[str, str], ...]:
 
 def threshold_of(content: Content, effects: tuple[EffectRow, ...]) -> str:
     """When an effect is normally added, and which added effects fall short of that."""
-    limits = content.get("thresholds")
+    limits = content.get("thresholds") or {}
     if not limits:
         return ""
     text = (

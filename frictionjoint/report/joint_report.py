@@ -134,8 +134,8 @@ class Report:
         return Rms(rms("fit"), rms("held-out"))
 
     def _at_rest(self) -> float:
-        """Fraction of the samples whose torque the position does not determine."""
-        moving = [c.in_motion for c in self.curves]
+        """Fraction of the fitted samples whose torque the position does not determine."""
+        moving = [c.in_motion for c in self.curves if c.role == "fit"]
         return 1.0 - float(np.mean(np.concatenate(moving))) if moving else 0.0
 
     def _log_errors(self) -> list[dict[str, Any]]:

@@ -58,8 +58,11 @@ class JointRow:
     def __init__(
         self, content: Content, name: str, s: Summary, role: str, shared: Sequence[SharedRow]
     ) -> None:
-        names = [x.title + (f" ({x.doubt})" if x.doubt else "") for x in s.effects]
-        names += [x.title + x.doubt for x in shared if name in [row[0] for row in x.joints]]
+        own = [x for x in shared if name in [row[0] for row in x.joints]]
+        names = [x.title for x in s.effects if not x.doubt]
+        names += [x.title for x in own if not x.doubt]
+        unsure = [f"{x.title} ({x.doubt})" for x in s.effects if x.doubt]
+        unsure += [x.title + x.doubt for x in own if x.doubt]
         if s.laws[0] != s.laws[1]:
             names.append(f"law {s.laws[1]}")
         torque = [e for e in s.errors if e.unit == s.units[0] and e.quantity in s.drive]
@@ -76,6 +79,8 @@ class JointRow:
         by_symbol = {x.name: x for x in s.friction}
         self.joint = name
         self.effects = ", ".join(names) or "none"
+        if unsure:
+            self.effects += f"; in the model, but not supported: {', '.join(unsure)}"
         self.torque = _change({e.stage: e.fractions.get(role) or e.text(role) for e in torque}, s)
         self.position = _change({e.stage: e.text(role) for e in position}, s)
         self.verdict = verdict
@@ -109,17 +114,19 @@ class RobotSummary:
         self.logs = tuple(content["logs"])
         changed = bool(self.shared) or any(s.changed for s in self.joints.values())
         error = _errors(content, self.role, changed)
+        doubted = {n for n, s in self.joints.items() if s.effects and not _confirmed(s)}
+        doubted |= {n for n, x in by_joint.items() if x.get("worse")}
         lines = (
-            ("Missing", self._missing({n for n, x in by_joint.items() if x.get("worse")})),
+            ("Missing", self._missing(doubted)),
             ("Error before and after" if changed else "Error", error),
-            ("Could also be", self._rivals()),
+            ("Could also be", self._rivals(doubted)),
             ("Record next", self.record_next[0] if self.record_next else _NO_MOTION),
         )
         self.verdict_lines = tuple((x, line[0].upper() + line[1:]) for x, line in lines if line)
 
-    def _missing(self, worse: set[str]) -> str:
-        """Causes and effects that the model lacks, and what held-out logs do not confirm."""
-        doubted = {n for n, s in self.joints.items() if s.effects and not _confirmed(s)} | worse
+    def _missing(self, doubted: set[str]) -> str:
+        """Causes and effects that the model lacks, and what held-out logs do not confirm: effects
+        of the joints `doubted`."""
         by_effect: dict[str, list[str]] = {}
         for name, s in self.joints.items():
             for x in s.effects:
@@ -137,14 +144,18 @@ class RobotSummary:
             text += f"; without a result: {listed(list(self.failed))}"
         return text + "."
 
-    def _rivals(self) -> str:
-        """What could be instead of causes and effects; empty for nothing."""
-        rivals = [f"{listed(x.rivals)} instead of {x.title}" for x in self.shared if x.rivals]
+    def _rivals(self, doubted: set[str]) -> str:
+        """What could be instead of the causes and effects that are missing; empty for nothing."""
+        rivals = [
+            f"{listed(x.rivals)} instead of {x.title}"
+            for x in self.shared
+            if x.rivals and not x.doubt
+        ]
         rivals += [
             f"in {name}, {listed(x.rivals)} instead of {x.title}"
             for name, s in self.joints.items()
             for x in s.effects
-            if x.rivals
+            if x.rivals and not x.doubt and name not in doubted
         ]
         return "; ".join(rivals) + "." if rivals else ""
 

@@ -73,7 +73,7 @@ class Summary:
         if not self.changed:
             self.errors = tuple(e for e in self.errors if e.stage == "after")
         looks = [look for look in content.get("candidates", ()) if look["rows"]]
-        self.steps = tuple(step_of(look, self.effects) for look in looks)
+        self.steps = tuple(step_of(look, self.effects, content) for look in looks)
         self.threshold = threshold_of(content, self.effects)
         self.friction = friction_card(result_estimates(content))
         self.parameters = carried(content)
@@ -163,7 +163,10 @@ def _missing(s: Summary) -> str:
     if change in ("rises", "no fall") and s.role == "held_out":
         held = "contradict" if change == "rises" else "do not confirm"
         suggested = listed(sure or unsure or unsized)
-        return f"not confirmed: fitted logs suggest {suggested}, held-out logs {held} it." + rest
+        return (
+            f"not confirmed: fitted logs suggest {suggested}, held-out logs {held} it; the "
+            f"friction below and model.xml contain it.{rest}"
+        )
     text = listed(sure)
     if not sure and change == "falls" and all("size" in e.doubt for e in s.effects):
         names = [e.title for e in s.effects]
