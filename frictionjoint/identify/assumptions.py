@@ -57,17 +57,24 @@ def with_assumed_stiffness(prepared: Prepared, fitted: Fit) -> Fit:
     The assumed value is as high as the encoder's resolution and the time step allow (see
     `shortest`), so that the joint sticks. The logs determine a stiffness if its standard error is
     below half of its value, or if no other parameter of the law can compensate for the assumed
-    value.
+    value. If they allow no such value, a higher one is assumed, at most that of the fit.
     """
-    shape = fitted.shape.with_assumed_stiffness(shortest(prepared))
+    reach = shortest(prepared)
+    shape = fitted.shape.with_assumed_stiffness(reach)
     if isinstance(shape, ConstraintShape):
         return replace(fitted, shape=shape)
     # a stiffness without a torque holds nothing; an effect may replace the Coulomb level
     holds = fitted.has_level or any(isinstance(term, EffectTerm) for term in fitted.terms)
     if not (shape.stiffness_assumed and holds and _law(prepared, fitted)["stiffness"].is_loose):
         return fitted
-    found = refit(prepared, fitted.effects, shape, ROUGH)
-    return found if _allowed(found, fitted) else fitted
+    assert isinstance(fitted.shape, IntegratedShape)
+    own = min(reach, fitted.shape.length)
+    for part in (1.0, 0.1, 0.01, 0.0):
+        shape = fitted.shape.with_assumed_stiffness(max(part * reach, own))
+        found = refit(prepared, fitted.effects, shape, ROUGH)
+        if _allowed(found, fitted):
+            return found
+    return fitted
 
 
 def with_steep_start(prepared: Prepared, fitted: Fit) -> Fit:

@@ -290,9 +290,8 @@ class IntegratedShape(KernelShape):
         excess, Vs, delta = with_excess((self.excess, self.Vs, self.delta), excess)
         negative = self.negative and with_excess((*self.negative, self.delta), excess)[:2]
         fixed = replace(self, excess=excess, negative=negative, breakaway_assumed=True)
-        length = self.length
-        if not self.stiffness_assumed:  # it remains
-            length *= (1.0 + excess) / (1.0 + self.excess)
+        # the stiffness remains
+        length = self.length * (1.0 + excess) / (1.0 + self.excess)
         return replace(fixed, Vs=Vs, delta=delta, length=length)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
