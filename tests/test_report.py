@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from frictionjoint.cli.terminal import show_report
@@ -113,6 +114,14 @@ def test_the_terminal_prints_the_summary(found, capsys):
     assert re.search(r"Coulomb friction: +1\.\d+\u00a0±", told)
 
 
+def test_samples_at_rest_are_counted_on_the_logs_that_a_note_counts(found):
+    curves = [replace(c, in_motion=c.in_motion & (c.role == "fit")) for c in found.curves]
+    assert any(c.role != "fit" for c in curves)
+    moving = np.concatenate([c.in_motion for c in curves if c.role == "fit"])
+    stated = replace(found, curves=tuple(curves)).to_dict()["at_rest"]
+    assert stated == pytest.approx(1.0 - moving.mean())
+
+
 def test_a_page_without_a_find_shows_one_model(nothing):
     page = render(nothing, content(nothing))
     assert 'class="verdict no-effect-found"' in page
@@ -212,6 +221,8 @@ def test_advice_names_what_these_logs_leave_open():
     assert of_encoder == (
         "To find what else depends on position: the same motion, once its cause is corrected."
     )
+    (of_drive,) = what_to_record([], [], {"torque": "A drive saturates."}, sure, True, {})
+    assert "a motion below the torque that saturates" in of_drive
     of_error, of_output = (e for e in DRIVE_EFFECTS if e.name == "duty-drop")
     (form,) = what_to_record([], [(of_error, of_output)], {}, sure, True, {})
     assert of_error.form in form

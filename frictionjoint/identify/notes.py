@@ -88,7 +88,8 @@ def assumed_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
     if shape.stiffness_assumed:
         found.append(
             "The presliding stiffness is assumed: these logs do not determine it. It is as high as "
-            "the encoder's resolution and the time step allow, so that the joint sticks."
+            "the encoder's resolution and the time step allow, or higher where the logs require "
+            "it, so that the joint sticks."
         )
     if shape.steep_start:
         found.append(
