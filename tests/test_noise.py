@@ -1,14 +1,16 @@
 """What the instruments of a log are: read from the log alone, against what was put in."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.verdict import noise_floor
+from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.identify.noise import Band, count_of, density_above
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rms import Rms
 from frictionjoint.measured.log import JointLog
 
 INERTIA, RATE, N = 0.05, 500.0, 20_000
@@ -79,6 +81,32 @@ def test_the_floor_of_an_encoder_alone(balance):
     """Without any noise of the torque only the beats of the counts are left."""
     logs, left = left_of(log(4096, 0.0), Band(balance, 100.0))
     assert noise_floor(logs, 1.0) == pytest.approx(left, rel=0.2)
+
+
+def test_a_log_whose_motion_reaches_above_its_band_tells_no_noise():
+    """The chatter of a controller is torque at all frequencies, and no noise of the instruments."""
+    quiet, chatter = log(), replace(log(noise=0.2, seed=1), name="chatter")
+    alone, left = left_of(quiet)
+    both = prepare([quiet, chatter], RigidBody(XML, "arm"), alone.band)
+    assert noise_floor(both, 1.0) == pytest.approx(left, rel=0.2)
+    # logs of equal noise keep theirs
+    louder = replace(log(noise=0.022, seed=2), name="louder")
+    floors = [noise_floor(left_of(x, alone.band)[0], 1.0) for x in (quiet, louder)]
+    pair = prepare([quiet, louder], RigidBody(XML, "arm"), alone.band)
+    assert noise_floor(pair, 1.0) == pytest.approx(np.sqrt(np.mean(np.square(floors))), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("error", "expected"),
+    [(0.01, "partly-explained"), (0.09, "explained"), (0.2, "partly-explained")],
+)
+def test_an_error_far_below_the_noise_is_not_at_the_noise(monkeypatch, error, expected):
+    monkeypatch.setattr("frictionjoint.diagnose.verdict.noise_floor", lambda *of: 0.1)
+    monkeypatch.setattr("frictionjoint.diagnose.verdict._is_white", lambda *of: False)
+    final = SimpleNamespace(rms_in_motion=error, gain=1.0, effects=())
+    found = SimpleNamespace(findings=(1,), unexplained=(), final=final, prepared=None)
+    errors = Rms(error, error), Rms(error, error)
+    assert verdict(found, errors, errors, False) == expected
 
 
 def test_the_inertia_behind_the_noise_is_taken_apart_from_gravity():

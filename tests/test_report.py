@@ -161,6 +161,12 @@ def test_the_verdict_owns_up(found, nothing):
     assert "No effect was found" in nothing.summary()
     quiet = replace(nothing, noise_floor=nothing.before_torque.held_out)
     assert "Nothing that these logs can show" in quiet.summary()
+    # no noise above an error that remains is stated
+    least = min(
+        x for e in (nothing.before_torque, nothing.after_torque) for x in (e.fit, e.held_out)
+    )
+    assert replace(nothing, noise_floor=2.0 * least).to_dict()["noise_floor"] is None
+    assert replace(nothing, noise_floor=1.2 * least).to_dict()["noise_floor"] <= least
     missed = replace(nothing, verdict="partly-explained", unexplained=(("arm.velocity", 0.9),))
     assert "depends on velocity of 'arm' (90%)" in missed.summary()
     assert "which no known effect explains" in missed.summary()

@@ -10,10 +10,25 @@ from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.report.joint_report import Verdict
 
+# of two logs with the same instruments, the noise of one over that of the other beyond which its
+# motion has torque above its band: one short log is read to 10%
+_SAME_NOISE = 1.5
+
 
 def noise_floor(prepared: Prepared, gain: float) -> float:
-    """Residual of a perfect model due to instrument noise in the torque band, N m."""
-    powers = [sum(s.noise.left(s.bandwidth_hz)) for s in prepared.segments]
+    """Residual of a perfect model due to instrument noise in the torque band, N m.
+
+    The torque's noise is read above the motion's band, where jerks and the chatter of a stiff
+    controller are torque too. They only add to it, and the logs share their instruments, so of logs
+    that differ the quietest one tells it.
+    """
+    least = min((x for s in prepared.segments if (x := s.noise.torque) > 0.0), default=0.0)
+    powers = []
+    for s in prepared.segments:
+        torque, position = s.noise.left(s.bandwidth_hz)
+        if s.noise.torque > _SAME_NOISE * least:
+            torque *= least / s.noise.torque
+        powers.append(torque + position)
     return gain * float(np.sqrt(np.mean(powers)))
 
 
@@ -37,9 +52,12 @@ def verdict(
     if not found.findings or found.unexplained or contradicted or _at_a_bound(found.final):
         return "partly-explained"
     final, noise = found.final, noise_floor(found.prepared, found.final.gain)
-    as_noise = final.rms_in_motion <= AT_THE_FLOOR * noise
-    if noise < LEAST_NOISE * final.target_rms:
-        as_noise = as_noise or _is_white(final, found.prepared)
+    left = final.rms_in_motion
+    # an error far below an estimate of the noise contradicts the estimate
+    if noise < LEAST_NOISE * final.target_rms or left < noise / AT_THE_FLOOR:
+        as_noise = _is_white(final, found.prepared)
+    else:
+        as_noise = left <= AT_THE_FLOOR * noise
     return "explained" if as_noise else "partly-explained"
 
 

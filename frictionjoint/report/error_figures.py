@@ -112,20 +112,27 @@ def _remaining(content: Content) -> float | None:
     return min(values, default=None)
 
 
-def noise_of(content: Content, unit: str) -> tuple[str, float | None]:
-    """The noise of the instruments in a sentence, and its value if plausible."""
+def possible_noise(content: Content) -> float | None:
+    """The noise of the instruments, not above an error that remains; None if it is far above."""
     estimate, least = content.get("noise_floor"), _remaining(content)
     # a noise is estimated to a factor of 1.5
     if not estimate or least is None or estimate > 1.5 * least:
+        return None
+    return float(min(estimate, least))
+
+
+def noise_of(content: Content, unit: str) -> tuple[str, float | None]:
+    """The noise of the instruments in a sentence, and its value if plausible."""
+    noise = possible_noise(content)
+    if noise is None:
         return _NO_NOISE, None
     whole = content.get("drive", {}).get("rms", {}).get("after", {})
     drive = max((x for x in whole.values() if x), default=None)
-    if drive and estimate < LEAST_NOISE * drive:
+    if drive and noise < LEAST_NOISE * drive:
         return (
-            f"The noise of the instruments is not stated: its estimate, {three(estimate)} {unit}, "
+            f"The noise of the instruments is not stated: its estimate, {three(noise)} {unit}, "
             "is less than instruments resolve. The log may have been filtered or simulated."
         ), None
-    noise = min(estimate, least)
     return f"The noise of the instruments is about {three(noise)} {unit} in this band.", noise
 
 

@@ -30,6 +30,7 @@ from frictionjoint.report.entries import (
     SimulatedPosition,
     Torsion,
 )
+from frictionjoint.report.error_figures import possible_noise
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -220,7 +221,7 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
-        return table_of(self._content())
+        return _with_possible_noise(table_of(self._content()))
 
     def in_robot(self) -> dict[str, Any]:
         """The content for one joint of a robot: without the parts that belong to the robot."""
@@ -228,7 +229,7 @@ class Report:
         own |= {"measured_rms": self.measured_rms, "increase": self.increase, "worse": self.worse}
         if self.torsion:
             own["torsion"] = self.torsion
-        return table_of(own)
+        return _with_possible_noise(table_of(own))
 
     def _staged(self, pair: Intervals | None) -> dict[str, Interval] | None:
         """An interval before and one after, as in report.json; none of another model's errors."""
@@ -289,3 +290,8 @@ class Report:
             "notes": self.notes,
             "verdict": self.verdict,
         }
+
+
+def _with_possible_noise(content: dict[str, Any]) -> dict[str, Any]:
+    """The content with no noise above an error that it states."""
+    return content | {"noise_floor": possible_noise(content)}
