@@ -1,10 +1,15 @@
 """Directions of dependences without a name that a score leaves out."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from frictionjoint.diagnose import unnamed
+from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.outcome import _unnamed_torque
+from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.instruments import MissingTerm
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.smooth import SplineTerm
@@ -29,3 +34,24 @@ def test_they_are_those_of_the_samples_that_are_left(tmp_path):
     assert left.shape == (len(now.log_index), 1)
     still = now.segments[0].kept[before.segments[0].kept]
     np.testing.assert_array_equal(left, whole[still])
+
+
+@pytest.mark.parametrize(("its", "tied"), [(0.05, False), (0.31, True)])
+def test_a_quantity_that_explains_much_less_is_no_tie(monkeypatch, its, tied):
+    """One block carries the difference, which is no more than its own standard error."""
+    time, velocity = SplineTerm("time", 0.0, 1.0), SplineTerm("velocity", -1.0, 1.0)
+    fit = SimpleNamespace(effects=(time,), shape=None)
+    shares = {(): 0.0, (time,): 0.33, (velocity,): its}
+
+    def scored(found, blocks):
+        squares = np.ones(100)
+        squares[0] += 100.0 - 200.0 * shares[found.effects]
+        return Scored(found, squares)
+
+    monkeypatch.setattr(unnamed, "scored", scored)
+    monkeypatch.setattr(unnamed, "most_first", lambda state, blocks, i, others: others)
+    monkeypatch.setattr(
+        unnamed, "compared", lambda prepared, terms, law: SimpleNamespace(effects=terms)
+    )
+    state = SimpleNamespace(fit=fit, prepared=None, candidates=[without_columns(velocity)])
+    assert list(unnamed.quantities_alike(state, None, 0)) == ["velocity"] * tied

@@ -3,6 +3,7 @@
 In an arm that moves alone the load is a function of position, and no log distinguishes them.
 """
 
+from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.exchange import most_first
 from frictionjoint.diagnose.moves import ALTERNATIVES
 from frictionjoint.diagnose.score import scored
@@ -38,6 +39,8 @@ def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
     for instead in list(best.values())[:ALTERNATIVES]:
         terms = in_place(own, i, instead)
         other = scored(compared(state.prepared, terms, state.fit.shape), blocks)
-        if not apart(now, other):
+        # a difference that a few blocks carry is not significant, however large
+        alike = other.gain(bare) >= (1.0 - TIE) * now.gain(bare)
+        if alike and not apart(now, other):
             found[instead.name] = other.gain(bare)
     return found
