@@ -17,6 +17,9 @@ EFFECTS = {
     "dwell-time": SimulatedEffect(dwell_time.EFFECT, (0.05, 0.01, 1e-3), (0.4,)),
     "frictional-lag": SimulatedEffect(frictional_lag.EFFECT, (0.05, 0.02, 1e-3), (0.4,)),
     "warm-up-drift": SimulatedEffect(warm_up_drift.BY_LOSS, (5.0, 0.1), (0.4, 0.1)),
+    "warm-up-drift by the whole loss": SimulatedEffect(
+        warm_up_drift.BY_WHOLE_LOSS, (0.2, 0.3, 5.0), (0.4, 0.1)
+    ),
 }
 JOINT = "<mujoco><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody></mujoco>"
 
@@ -42,7 +45,7 @@ def test_simulated_and_logged_effects_agree_from_the_first_sample_on(name, backe
             sig[TIME], sig[Q], sig[V] = data.time, data.qpos[0], data.qvel[0]
             sig[DT] = STEP if k else 0.0
             sig[H] = read.hysteresis / FC
-            found.append(read.effects[name])
+            found.append(read.effects[effect.effect.name])
             expected.append(effect_torque(effect.effect.effect_id, numbers, 0, sig, memory, 0))
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
     assert np.ptp(expected) > 1e-3

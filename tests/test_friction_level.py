@@ -50,6 +50,15 @@ def test_rubbing_warms_and_rest_cools():
     assert warmth[-1] > warmth[2499]
 
 
+def test_viscous_loss_warms_too():
+    """At constant speed w = tau |v| (1 + ratio |v|) (1 - exp(-t/tau))."""
+    tau, scale, ratio = 0.8, 0.3, 4.0
+    by_whole_loss = warm_up_drift.BY_WHOLE_LOSS.effect_id
+    level = columns(by_whole_loss, (scale, ratio, tau), 2, slid_rested_slid(0.1))[:, 0]
+    warmest = tau * 0.5 * (1.0 + ratio * 0.5) * -math.expm1(-1.0 / tau)
+    assert -scale * np.log(level[999]) == pytest.approx(warmest, rel=5e-3)
+
+
 def test_a_link_falls_freely_through_its_gap():
     """Under a torque that changes sign once, the gap p is crossed in sqrt(2 p/torque)."""
     dt, gap, pull = 1e-4, 2e-3, 1.0

@@ -141,7 +141,12 @@ def test_a_model_is_evaluated_at_the_measured_temperature():
 
 
 @pytest.mark.parametrize(
-    ("effect", "shape"), [(warm_up_drift.EFFECT, (20.0,)), (warm_up_drift.BY_LOSS, (20.0, 4.0))]
+    ("effect", "shape"),
+    [
+        (warm_up_drift.EFFECT, (20.0,)),
+        (warm_up_drift.BY_LOSS, (20.0, 4.0)),
+        (warm_up_drift.BY_WHOLE_LOSS, (4.0, 0.1, 20.0)),
+    ],
 )
 def test_a_joint_can_be_set_warm(effect, shape):
     model = model_of(TURNING, [(effect, shape, (0.5, 0.0))])

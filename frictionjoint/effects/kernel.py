@@ -102,6 +102,8 @@ def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: 
         return gravity_error.centred_torque(P, e, sig, X, x)
     if effect_id == 32:
         return end_stop.both_torque(P, e, sig, X, x)
+    if effect_id == 33:
+        return warm_up_drift.heated_torque(P, e, sig, X, x)
     return np.nan
 
 

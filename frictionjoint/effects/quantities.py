@@ -66,6 +66,7 @@ _OF_EFFECT = {
     ("spring", "preload"): "torque at zero position",
     ("temperature-dependent", "level"): "Coulomb friction that falls with temperature",
     ("temperature-dependent", "viscous"): "viscous friction that falls with temperature",
+    ("warm-up-drift", "ratio"): "viscous over Coulomb friction in the loss",
     ("warm-up-drift", "level"): "additional Coulomb friction when cold",
     ("warm-up-drift", "viscous"): "additional viscous friction when cold",
     ("warm-up-drift", "scale"): "distance of sliding that warms the joint",

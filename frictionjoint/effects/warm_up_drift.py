@@ -1,4 +1,9 @@
-"""warm-up-drift: level and viscosity that relax in time; the temperature is not measured."""
+"""warm-up-drift: level and viscosity that fall as the joint warms; the temperature is not measured.
+
+Three forms: they relax in time, with the warmth that sliding leaves, or with the warmth that the
+whole loss leaves, viscous friction included. Over a log a small warmth is next to linear, and then
+its scale cannot be told from the coefficients: in the last form it is a reference.
+"""
 
 import math
 from dataclasses import replace
@@ -8,7 +13,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.signals import DT, TIME, H, V
+from frictionjoint.effects.signals import DT, LOAD, MOTOR, TIME, H, V
 
 # s; oil, grease and the metal around them do not warm faster. A shorter memory comes from the
 # motion, not from heat.
@@ -22,9 +27,9 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 
 @compiled
-def warmth(before: float, h: float, v: float, dt: float, tau: float) -> float:
-    """Heat from friction that has not yet dissipated: dw/dt = |h v| - w/tau."""
-    steady = abs(h * v) * tau
+def warmth(before: float, h: float, v: float, dt: float, tau: float, ratio: float) -> float:
+    """Heat from friction that has not yet dissipated: dw/dt = |v| (|h| + ratio |v|) - w/tau."""
+    steady = (abs(h * v) + ratio * v * v) * tau
     return steady + (before - steady) * math.exp(-dt / tau)
 
 
@@ -32,8 +37,17 @@ def warmth(before: float, h: float, v: float, dt: float, tau: float) -> float:
 def warmed_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """exp(-w/scale) (a Fh/Fc + b v); X[x] the warmth w, 0 in a log at its start."""
     if sig[DT] > 0.0:
-        X[x] = warmth(X[x], sig[H], sig[V], sig[DT], P[e])
+        X[x] = warmth(X[x], sig[H], sig[V], sig[DT], P[e], 0.0)
     return math.exp(-X[x] / P[e + 1]) * (P[e + 2] * sig[H] + P[e + 3] * sig[V])
+
+
+@compiled
+def heated_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
+    """exp(-w/scale) (a Fh/Fc + b v); X[x] the warmth w by the whole loss, 0 in a log at its
+    start."""
+    if sig[DT] > 0.0:
+        X[x] = warmth(X[x], sig[H], sig[V], sig[DT], P[e + 2], P[e + 1])
+    return math.exp(-X[x] / P[e]) * (P[e + 3] * sig[H] + P[e + 4] * sig[V])
 
 
 def _time_constants(signals: Array) -> list[Shape]:
@@ -43,22 +57,33 @@ def _time_constants(signals: Array) -> list[Shape]:
 
 
 @compiled
-def _warmest(signals: Array, tau: float) -> float:
-    """Largest w of `warmed_torque`."""
+def _warmest(signals: Array, tau: float, ratio: float) -> float:
+    """Largest w of `warmed_torque`, or of `heated_torque`."""
     w, most = 0.0, 0.0
     for k in range(len(signals)):
         dt = signals[k, DT]
-        w = warmth(w, signals[k, H], signals[k, V], dt, tau) if dt > 0.0 else 0.0
+        w = warmth(w, signals[k, H], signals[k, V], dt, tau, ratio) if dt > 0.0 else 0.0
         most = max(most, w)
     return most
 
 
 def _time_constants_and_warmths(signals: Array) -> list[Shape]:
     taus = [tau for (tau,) in _time_constants(signals)]
-    most = [_warmest(signals, tau) for tau in taus]
+    most = [_warmest(signals, tau, 0.0) for tau in taus]
     pairs = [(t, w) for t, w in zip(taus, most, strict=True) if w > 0.0]
     # a scale of the largest warmth is next to linear, a smaller one levels off
     return [(t, part * w) for t, w in pairs for part in (0.3, 1.0)]
+
+
+def _warmths_of_the_loss(signals: Array) -> list[Shape]:
+    # the law's friction, which MOTOR contains, is Fc H + sigma2 V
+    friction = signals[:, MOTOR] - signals[:, LOAD]
+    Fc, sigma2 = np.linalg.lstsq(signals[:, [H, V]], friction, rcond=None)[0].tolist()
+    ratio = max(0.0, sigma2 / Fc) if Fc > 0.0 else 0.0
+    taus = [tau for (tau,) in _time_constants(signals)]
+    most = [_warmest(signals, tau, ratio) for tau in taus]
+    pairs = [(t, w) for t, w in zip(taus, most, strict=True) if w > 0.0]
+    return [(part * w, ratio, t) for t, w in pairs for part in (1.0, 3.0)]
 
 
 EFFECT = Effect(
@@ -91,3 +116,16 @@ BY_LOSS = replace(
     shapes=_time_constants_and_warmths,
     shape_bounds=((_FASTEST, float("inf")), (0.0, float("inf"))),
 )
+
+BY_WHOLE_LOSS = replace(
+    BY_LOSS,
+    effect_id=33,
+    form="exp(-w/scale) (a Fh/Fc + b v), dw/dt = |v| (|Fh|/Fc + ratio |v|) - w/tau, cold at the "
+    "start of the log",
+    shape=("scale", "ratio", "tau"),
+    shape_units=("x", "s/x", "s"),
+    shape_fixed=2,
+    shapes=_warmths_of_the_loss,
+    shape_bounds=((0.0, float("inf")), (0.0, float("inf")), (_FASTEST, float("inf"))),
+)
+FORMS = (EFFECT, BY_LOSS, BY_WHOLE_LOSS)

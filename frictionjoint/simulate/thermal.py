@@ -46,6 +46,9 @@ _WARMTHS = {
     float(warm_up_drift.BY_LOSS.effect_id): _Kind(
         lambda P, x, t: -math.expm1(-x / P[1]), lambda P, warm, t: -P[1] * math.log1p(-warm)
     ),
+    float(warm_up_drift.BY_WHOLE_LOSS.effect_id): _Kind(
+        lambda P, x, t: -math.expm1(-x / P[0]), lambda P, warm, t: -P[0] * math.log1p(-warm)
+    ),
 }
 
 
