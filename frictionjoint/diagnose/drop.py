@@ -50,7 +50,9 @@ def drop_idle(state: State) -> None:
         if not idle:
             return
         # of those that are idle alike the one that came last
-        rest = all_but(own, best_of(idle[::-1], lambda x: max(x[0], 0.0))[1])
+        least = best_of(idle[::-1], lambda x: max(x[0], 0.0))[1]
+        state.left_out[least.name] = "the model predicts as much without it"
+        rest = all_but(own, least)
         found = fits.get(rest) or refitted(rest)
         state.prepared, state.fit = reweighed(state.prepared, found)
         state.forget_dropped()

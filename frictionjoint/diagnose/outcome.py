@@ -8,6 +8,7 @@ from frictionjoint.diagnose.candidate import named_of
 from frictionjoint.diagnose.drop import drop_idle
 from frictionjoint.diagnose.exchange import best_forms, settle_ties, weigh_others
 from frictionjoint.diagnose.finding import Finding, Trace
+from frictionjoint.diagnose.moves import look
 from frictionjoint.diagnose.nearest import Replayed, moving_nearest, nearer
 from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.restated import restated
@@ -15,6 +16,7 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.sight import sight
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.diagnose.unnamed import quantities_alike
+from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.assumptions import with_assumptions
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
@@ -41,6 +43,7 @@ def finish_search(
     Args:
         alone: fit of the law alone, and the logs with its weights.
     """
+    added = {t.name for t in named_of(state.fit.effects)}
     unexplained: dict[str, float] = {}
     hints: list[str] = []
     causes: dict[str, str] = {}
@@ -81,6 +84,10 @@ def finish_search(
         state.prepared, state.fit = with_assumptions(state.prepared, state.fit)
     else:
         state.prepared, state.fit = prepared, base
+    if added and not findings:
+        # the last step looked for what the model lacks besides the effects that it had
+        state.look, _ = look(state.fit, state.blocks, state.candidates, rng)
+        hints += [_left_out(state, name) for name in sorted(added)]
     return Trace(
         prepared=state.prepared,
         base=base,
@@ -117,6 +124,11 @@ def _settled(
     weigh_others(state)
     settle_ties(state)
     return restated(state, rng)
+
+
+def _left_out(state: State, name: str) -> str:
+    why = state.left_out.get(name, "the model predicts as much without it")
+    return f"The search added {title(name)} and left it out in the end: {why}."
 
 
 def _alike_hint(one: str, other: str) -> str:

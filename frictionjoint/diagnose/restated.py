@@ -47,6 +47,7 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
         if not weak:
             return tuple(_tied(f, unsure) for f in seen)
         least = min(weak, key=lambda f: f.row.frequency).term
+        state.left_out[least.name] = "most parts of the data do not confirm it"
         state.prepared, state.fit = reweighed(state.prepared, without(state, least))
         drop_idle(state)
 
@@ -74,6 +75,8 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         if not idle and unsure[least] > 0.0 and open_size:
             break
         fewer = best_of(idle, lambda f: f.drive_rms) if idle else fits[least]
+        gone = next(term for term, f in fits.items() if f is fewer)
+        state.left_out[gone.name] = "these logs do not determine its size"
         state.prepared, state.fit = reweighed(state.prepared, fewer)
         changed = True
     if changed:

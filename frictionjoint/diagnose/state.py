@@ -62,6 +62,7 @@ class State:
         unnamed: torque of dependences without a name that were removed from the model, N m, shape
             (n, 1) each, at the samples of the logs. The score excludes these directions, because
             what is known to be missing is no evidence against the effects that are named.
+        left_out: by name, why an effect was removed from the model.
     """
 
     prepared: Prepared
@@ -71,6 +72,7 @@ class State:
     laws: OtherLaws
     law_errs: bool = True
     unnamed: tuple[Array, ...] = ()
+    left_out: dict[str, str] = field(default_factory=dict, repr=False)
     _known: _Model | None = field(default=None, repr=False)
 
     @property

@@ -140,7 +140,7 @@ def _missing(s: Summary) -> str:
         if s.suspected:
             best = s.suspected[0]
             small = best.gain < SMALLEST_GAIN
-            refitted = "but not once the friction law was fitted together with it"
+            refitted = "but the complete model does not support it"
             why = "which is below the threshold" if small else refitted
             return (
                 f"nothing for certain; {best.title} would explain {best.gain:.0%} of the squared "
