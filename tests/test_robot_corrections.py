@@ -59,7 +59,10 @@ def logs() -> dict[str, JointLog]:
 CAUSES = {
     "payload": (Payload(3, "link3", 10.0), [0.7, 0.05, -0.02, 0.03, 1e-3]),
     "mass": (BodyInertia(2, "link2", "mass"), [0.3]),
-    "mass and centre": (BodyInertia(2, "link2", "mass and centre"), [0.2, 0.03, -0.01, 0.02]),
+    "gyration": (
+        BodyInertia(2, "link2", "mass, centre, gyration"),
+        [0.2, 0.03, -0.01, 0.02, -0.1],
+    ),
     "all ten": (BodyInertia(3, "link3", "all ten"), list(0.1 * np.arange(-5, 5))),
     "rotor": (RotorInertia("j2", 0.01), [0.2]),
     "tilt": (BaseTilt(), [0.1, -0.05]),

@@ -11,6 +11,8 @@ from arms.arm import (
     hide_tilt,
     hide_warming,
     random_arm,
+    reread,
+    written,
 )
 from arms.fitted import fitted_joints
 
@@ -71,6 +73,45 @@ def test_a_payload_is_found_where_its_mass_shows_in_its_inertia_alone():
     assert found["mass"] == pytest.approx(2.0, rel=0.05)
     measured = [found[f"centre_{axis}"] for axis in "xyz"]
     assert np.linalg.norm(measured - arm.hidden["payload"][2]) < 0.01
+
+
+def planar_arm() -> Arm:
+    """Two links that turn about vertical axes; gravity says nothing of them."""
+    text = """<mujoco><worldbody><body name="link1" pos="0 0 0.3">
+        <joint name="j1" axis="0 0 1" armature="0.12"/>
+        <inertial pos="0.18 0 0" mass="4" diaginertia="0.01 0.05 0.05"/>
+        <body name="link2" pos="0.35 0 0">
+        <joint name="j2" axis="0 0 1" armature="0.05"/>
+        <inertial pos="0.14 0 0" mass="2.2" diaginertia="0.004 0.022 0.022"/>
+        <site name="flange" pos="0.3 0 0"/></body></body></worldbody></mujoco>"""
+    level, none = np.array([1.5, 0.7]), np.zeros(2)
+    return Arm(text, text, ["j1", "j2"], level, none + 0.4, 2e3 * level, 0.5 * level, none, none)
+
+
+def test_a_payload_of_a_planar_arm_could_also_be_a_wrong_link():
+    """No torque tells it from a link of another mass, centre and radius of gyration."""
+    arm = planar_arm()
+    hide_payload(arm, 1.2, [0.0, 0.0, 0.0], size=0.01)
+    settled = found_in(arm)
+    ((name, place, found),) = values(settled)
+    assert (name, place) == ("payload", {"body": "link2"})
+    assert found["mass"] == pytest.approx(1.2, rel=0.02)
+    assert found["centre_x"] == pytest.approx(0.3, abs=0.01)
+    (choice,) = settled.choices
+    assert choice.evidence.ties == ("body-inertia of link2",)
+
+
+def test_a_wrong_inertia_of_a_link_is_not_taken_for_another_mass():
+    """With the model's radius of gyration it was, and a false rotor fitted to what that left."""
+    arm = planar_arm()
+    spec = reread(arm.true)
+    spec.body("link2").mass, spec.body("link2").inertia = 1.8, np.array([0.004, 0.028, 0.028])
+    arm.true = written(spec)
+    ((name, place, found),) = values(found_in(arm))
+    assert (name, place) == ("body-inertia", {"body": "link2"})
+    assert found["mass"] == pytest.approx(1.8, rel=0.02)
+    radius = np.sqrt(28 / 22 * 2.2 / 1.8)
+    assert found["gyration_radius_over_model"] == pytest.approx(radius, rel=0.02)
 
 
 def heavier_link_and_rotor(seed: int) -> tuple[Arm, dict[str, dict[str, float]]]:

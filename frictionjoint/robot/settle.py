@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.causes.cause import Found
+from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.choose import Choice
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.columns import Common
@@ -60,6 +60,14 @@ class Settled:
         """The same laws in the same blocks, with the joints under other causes."""
         joints = tuple(j.corrected(found.state) for j in self.joints)
         return replace(self, found=found, joints=joints)
+
+    def fitted_with(self, causes: Sequence[Cause]) -> "Settled":
+        """The same laws with more causes, fitted together with those in the model."""
+        start = self.found
+        for cause in causes:
+            start = start.with_cause(cause, cause.start)
+        own = self.single_effects.__contains__
+        return self.corrected(descended(self.joints, self.clock, start, own))
 
     def screened(self) -> Screened:
         """Columns of the causes, of the effects of single joints, and of the common effects that

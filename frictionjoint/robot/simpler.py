@@ -15,7 +15,6 @@ from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice, within_bounds
 from frictionjoint.robot.compare import as_much, gain_of, nearer
-from frictionjoint.robot.descend import descended
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import Settled
@@ -44,7 +43,7 @@ def simpler(
         for several in _sets(seen, size):
             if len(several) == 1 and several[0].changed in {c.changed for c in gone}:
                 # causes are nonlinear far from the nominal parameters
-                squares = _fitted(rest, several).squares_left()
+                squares = rest.fitted_with(_causes(several)).squares_left()
             else:
                 squares = seen.held_out(several)
             total = float(squares.sum())
@@ -55,7 +54,7 @@ def simpler(
         if not tried and nearest:
             # nor are two that change together: they count where bodies come back by them
             _, several = min(nearest, key=lambda one: one[0])
-            after = _fitted(rest, several)
+            after = rest.fitted_with(_causes(several))
             squares = after.squares_left()
             if nearer(after.found.deviation, found.deviation) and as_much(
                 seen.stack, squares, left
@@ -83,14 +82,8 @@ def _opened(
     return replace(seen, accepted=(*seen.accepted, *stands), candidates=open_ones)
 
 
-def _fitted(rest: Settled, several: Sequence[Candidate]) -> Settled:
-    """Causes fitted together with others, with numbers as accurate as theirs."""
-    start = rest.found
-    for candidate in several:
-        assert candidate.cause is not None
-        start = start.with_cause(candidate.cause, candidate.cause.start)
-    own = rest.single_effects.__contains__
-    return rest.corrected(descended(rest.joints, rest.clock, start, own))
+def _causes(several: Sequence[Candidate]) -> list[Cause]:
+    return [c.cause for c in several if c.cause]
 
 
 def _size(several: Sequence[Candidate]) -> int:

@@ -2,6 +2,8 @@
 
 While causes are missing, many candidates look alike. A candidate that was as good as a cause when
 it was accepted may be far worse together with all the others, or be in the model itself by then.
+Another name of the same change of a body, a payload or its own wrong inertia, may be as good only
+with the final laws.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,7 +27,7 @@ def restated(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
     kept = []
     for i, choice in enumerate(settled.choices):
         wanted = frozenset(choice.evidence.ties) - there
-        ties: dict[str, None] = {}
+        ties = dict.fromkeys(_renamed(settled, left, i, causes))
         if wanted:
             own, rest = found.causes[i], settled.corrected(found.without(i))
             rivals = [c for c in causes if c.label in wanted and c.changed != own.changed]
@@ -33,9 +35,22 @@ def restated(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
             seen = screen(
                 rest.joints, rest.clock, rest.found, [own, *rivals], named, common, joints
             )
-            ties = dict.fromkeys(_as_good(seen, own, wanted, left))
+            ties |= dict.fromkeys(_as_good(seen, own, wanted, left))
         kept.append(replace(choice, evidence=replace(choice.evidence, ties=tuple(ties))))
     return tuple(kept)
+
+
+def _renamed(settled: Settled, left: Array, i: int, causes: Sequence[Cause]) -> Iterator[str]:
+    """Other causes that change the same body, whose residual is as small as `left`, the model's,
+    with no more numbers."""
+    own, rest = settled.found.causes[i], settled.corrected(settled.found.without(i))
+    for c in causes:
+        other = c.changed == own.changed and c.label != own.label
+        if other and len(c.start) <= len(own.start):
+            # they are nonlinear far from the nominal parameters
+            trial = rest.fitted_with([c])
+            if as_much(trial.screened().stack, trial.squares_left(), left):
+                yield c.label
 
 
 def _as_good(seen: Screened, own: Cause, wanted: frozenset[str], left: Array) -> Iterator[str]:

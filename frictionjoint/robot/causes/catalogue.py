@@ -46,7 +46,7 @@ def catalogue(
     # the first bodies of the outermost links carry one
     hands = [bodies[0] for dofs, bodies in links.items() if not any(dofs < x for x in links)]
     found += [Payload(b, body_label(model, b), own_mass) for b in hands]
-    found += _bodies(model, joints, moving, ("mass", "mass and centre", "all ten"))
+    found += _bodies(model, joints, moving, ("mass", "mass, centre, gyration", "all ten"))
     if np.any(model.opt.gravity):
         found.append(BaseTilt())
     found += [JointOffset(name, is_slide(model, name)) for name in moving]
