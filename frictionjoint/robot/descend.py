@@ -94,7 +94,8 @@ class _Problem:
     def least(self, starts: Sequence[Array]) -> Array:
         """The numbers with the smallest residual, from several starts."""
         bounds = self.bounds
-        how: dict[str, Any] = {"bounds": tuple(bounds), "x_scale": "jac", "max_nfev": 60}
+        # a valley between a mass and rotors takes hundreds of steps
+        how: dict[str, Any] = {"bounds": tuple(bounds), "x_scale": "jac", "max_nfev": 600}
         tried = [least_squares(self.left, np.clip(x, *bounds), self.slopes, **how) for x in starts]
         return np.asarray(min(tried, key=lambda one: float(one.cost)).x)
 

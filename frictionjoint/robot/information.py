@@ -164,8 +164,9 @@ def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
         partners += [x.owner for x in parts]
     sums = "only in sums"
     return [
-        _row(sums, owner, names, f"{sums} with parameters of {', '.join(dict.fromkeys(partners))}")
+        _row(sums, owner, names, f"{sums} with parameters of {others}, taken as right")
         for owner, (names, partners) in owners.items()
+        for others in (", ".join(dict.fromkeys(partners)),)
     ]
 
 
