@@ -103,7 +103,7 @@ def test_a_log_whose_motion_reaches_above_its_band_tells_no_noise():
 def test_an_error_far_below_the_noise_is_not_at_the_noise(monkeypatch, error, expected):
     monkeypatch.setattr("frictionjoint.diagnose.verdict.noise_floor", lambda *of: 0.1)
     monkeypatch.setattr("frictionjoint.diagnose.verdict._is_white", lambda *of: False)
-    final = SimpleNamespace(rms_in_motion=error, gain=1.0, effects=())
+    final = SimpleNamespace(rms_in_motion=error, target_rms=10.0, gain=1.0, effects=())
     found = SimpleNamespace(findings=(1,), unexplained=(), final=final, prepared=None)
     errors = Rms(error, error), Rms(error, error)
     assert verdict(found, errors, errors, False) == expected

@@ -110,9 +110,8 @@ def test_white_residuals_far_above_the_noise_are_not_explained() -> None:
     rest = np.random.default_rng(0).standard_normal(1000)
 
     def said(noise: float) -> str:
-        part = SimpleNamespace(
-            bandwidth_hz=10.0, dt=0.05, step=1, noise=SimpleNamespace(left=lambda _: (noise**2, 0))
-        )
+        of_log = SimpleNamespace(torque=noise, left=lambda _: (noise**2, 0))
+        part = SimpleNamespace(bandwidth_hz=10.0, dt=0.05, step=1, noise=of_log)
         final = SimpleNamespace(
             effects=(),
             layout=None,
