@@ -147,7 +147,7 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
     spec = mujoco.MjSpec.from_string(report.mjcf)
     uninstall(spec)
     assert not list(spec.texts)
-    base = with_assumed_breakaway(prepared, base)
+    base = with_steep_start(prepared, with_assumed_breakaway(prepared, base))
     own = law_estimates(base, stated_covariance(prepared, base), False)
     assert {k: x.value for k, x in report.base.items()} == pytest.approx(
         {k: x.value for k, x in own.items()}, rel=1e-6

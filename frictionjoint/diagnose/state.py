@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import APART, LEAST_MOVED, LEAST_MOVED_OF_DRIVE, SMALLEST_GAIN, TIE
-from frictionjoint.diagnose.candidate import Candidate, is_unnamed
+from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.moves import Kind, Look
@@ -175,9 +175,9 @@ def needed(now: Scored, other: Scored, first: bool = False) -> bool:
 
 
 def is_small(term: Term, now: Scored, other: Scored) -> bool:
-    """Whether an effect of the drive is below the error of a law, or an unnamed dependence below
-    that of a drive computed from a controller's file."""
-    of_drive = isinstance(term, DriveTerm) or (now.fit.commanded and is_unnamed(term))
+    """Whether an effect of the drive is below the error of a law, or any effect below that of a
+    drive computed from a controller's file."""
+    of_drive = isinstance(term, DriveTerm) or (now.fit.commanded and not term.effect.first)
     return of_drive and now.of_drive(other) < LEAST_MOVED_OF_DRIVE
 
 

@@ -84,11 +84,10 @@ def with_steep_start(prepared: Prepared, fitted: Fit) -> Fit:
     The first segment of a transition curve is elastic, so that smaller oscillations are damped by
     sigma1 and viscous friction alone. In real contacts every displacement dissipates (Al-Bender,
     Lampaert and Swevers 2005). The steep part, half a percent of breakaway friction, makes
-    displacements beyond its end dissipate; within it, MuJoCo's time step damps the joint. An
-    assumed stiffness needs none.
+    displacements beyond its end dissipate; within it, MuJoCo's time step damps the joint.
     """
     shape = fitted.shape
-    if not isinstance(shape, IntegratedShape) or shape.stiffness_assumed or not fitted.has_level:
+    if not isinstance(shape, IntegratedShape) or not fitted.has_level:
         return fitted
     _, viscosity = fitted.levels
     inertia = max(s.inertia for s in prepared.segments)

@@ -91,7 +91,7 @@ def assumed_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
             "the encoder's resolution and the time step allow, or higher where the logs require "
             "it, so that the joint sticks."
         )
-    if shape.steep_start:
+    elif shape.steep_start:
         found.append(
             "The beginning of the presliding curve is assumed, so that the joint comes to rest: "
             "these logs hardly damp it there. It is steep up to 0.5% of breakaway friction."

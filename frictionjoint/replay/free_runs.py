@@ -142,7 +142,7 @@ def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     parts = {
         "the Coulomb friction without load": fitted.level_assumed,
         "the stiffness before sliding": shape.stiffness_assumed,
-        "the beginning of the presliding curve": shape.steep_start,
+        "the beginning of the presliding curve": shape.steep_start and not shape.stiffness_assumed,
         "the breakaway friction": shape.breakaway_assumed,
     }
     assumed = [what for what, is_assumed in parts.items() if is_assumed]
