@@ -6,6 +6,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from test_gate import stages
 
 import frictionjoint as fj
 from frictionjoint import close_loop, uninstall
@@ -53,10 +54,7 @@ def logged(q, torque, noise: float, seed: int) -> JointLog:
 def log(stiffness: float, seed: int = 1, noise: float = 2e-3) -> JointLog:
     """A bristle of a stiffness along sines, read by an encoder."""
     q, _, a = motion(seed)
-    held, friction = 0.0, np.empty(N)
-    for k in range(N):
-        held = np.clip(held + stiffness * (q[k] - q[k - 1] if k else 0.0), -LEVEL, LEVEL)
-        friction[k] = held
+    friction = stages(q, LEVEL, LEVEL / stiffness)
     return logged(COUNT * np.round(q / COUNT), 0.05 * a + friction, noise, seed)
 
 

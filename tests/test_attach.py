@@ -218,20 +218,19 @@ def test_an_unknown_backend_is_refused_and_leaves_nothing():
 
 
 def told_once(model, data, match):
-    """Whether `torque` warns, and no second time."""
+    """`torque` warns, and no second time."""
     with pytest.warns(RuntimeWarning, match=match):
         fj.torque(model, data)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         fj.torque(model, data)
-    return True
 
 
 def test_torque_warns_once_of_a_model_that_is_stepped_without_friction():
     model = spec().compile()
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, 10)
-    assert told_once(model, data, "has not acted since 0 s, and data.time is 0.01")
+    told_once(model, data, "has not acted since 0 s, and data.time is 0.01")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with fj.attach(model):
@@ -247,7 +246,7 @@ def test_torque_warns_once_of_a_callback_that_was_set_over_ours():
     mine, _ = counted_in_c()
     mujoco.set_mjcb_passive(mine)
     mujoco.mj_step(model, data, 10)
-    assert told_once(model, data, "other code replaced MuJoCo.*set yours before")
+    told_once(model, data, "other code replaced MuJoCo.*set yours before")
     with pytest.warns(RuntimeWarning, match="calls ours: the new callback stays"):
         h.detach()
 
@@ -260,6 +259,6 @@ def test_flags_that_are_disabled_after_attach_are_told_once():
         mujoco.mj_step(model, data, 10)
         model.opt.disableflags |= int(off)
         mujoco.mj_step(model, data, 10)
-        assert told_once(model, data, "has not acted since .* flags are both disabled")
+        told_once(model, data, "has not acted since .* flags are both disabled")
         rows = check(model)
     assert any("friction does not act" in text for text in rows[0]["outside"])

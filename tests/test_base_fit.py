@@ -30,15 +30,8 @@ def motion(rng):
     return t, q, v, np.gradient(v, t)
 
 
-def measured(t, q, torque, noise, rng, seed):
-    """A log of 500 Hz."""
-    some = slice(None, None, EVERY)
-    noisy = torque[some] + noise * rng.standard_normal(len(t[some]))
-    return JointLog(name=f"{seed}", joint="j", time=t[some], position=q[some], torque=noisy)
-
-
 def log(Fs, Fc, Vs, stiffness, damping, viscous, noise, seed):
-    """A bristle's log; Vs is that of positive and of negative motion."""
+    """A bristle's log of 500 Hz; Vs is that of positive and of negative motion."""
     rng = np.random.default_rng(seed)
     t, q, v, a = motion(rng)
     level = Fc + (Fs - Fc) * np.exp(-((v / np.where(v > 0.0, *Vs)) ** 2))
@@ -47,7 +40,10 @@ def log(Fs, Fc, Vs, stiffness, damping, viscous, noise, seed):
     for k in range(len(t)):
         before, z = z, (z + STEP * v[k]) / (1.0 + STEP * rubs[k])
         friction[k] = stiffness * z + damping * (z - before) / STEP
-    return measured(t, q, INERTIA * a + friction + viscous * v, noise, rng, seed)
+    some = slice(None, None, EVERY)
+    torque = (INERTIA * a + friction + viscous * v)[some]
+    torque += noise * rng.standard_normal(len(torque))
+    return JointLog(name=f"{seed}", joint="j", time=t[some], position=q[some], torque=torque)
 
 
 def fitted(*logs):
@@ -73,6 +69,7 @@ def test_logs_that_hardly_exceed_the_stribeck_velocity_show_it():
     own = {"stiffness": 800.0, "damping": 0.3, "viscous": 0.5, "noise": 3e-3}
     _, law = fitted(*(log(0.9, 0.5, (0.5, 0.5), seed=i, **own) for i in (1, 2)))
     assert law.Vs_pos == pytest.approx(0.5, rel=0.1)
+    assert law.Fs_pos == pytest.approx(0.9, rel=0.03)
     assert law.sigma2_pos == pytest.approx(0.5, rel=0.1)
 
 

@@ -1,7 +1,6 @@
 """Effects that simulated motion names besides the balance, on servos simulated by MuJoCo."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -81,11 +80,3 @@ def test_an_armature_that_is_wrong_in_the_model_is_a_number_of_the_refinement():
     assert not findings
     assert found["inertia-error 0.inertia"] == pytest.approx(0.01 - 0.06, rel=0.1)
     assert part < 0.2
-
-
-def errors(near, whole=None, fitted=None):
-    """A refinement with its errors on logs left out, in windows and whole, and on its own, rad."""
-    near = np.array(near)
-    whole = near if whole is None else np.array(whole)
-    own = near if fitted is None else np.array(fitted)
-    return SimpleNamespace(near=near, left_out=(whole, whole), near_fitted=own)

@@ -61,16 +61,6 @@ def test_a_number_beside_which_mujoco_would_lose_others_is_refused():
         carrying(friction(Fc=1.0, Vs=1.0, n=1.0, sigma1=2e12), [])
 
 
-def test_prefix_of_an_attached_submodel_is_followed():
-    parent = mujoco.MjSpec.from_string("<mujoco><size nuserdata='200'/></mujoco>")
-    frame = parent.worldbody.add_frame()
-    parent.attach(carrying(friction()), prefix="r_", frame=frame)
-    model = parent.compile()
-    assert read_friction(model)["r_elbow"].parameters == friction()
-    with fj.attach(model):
-        mujoco.mj_step(model, mujoco.MjData(model))
-
-
 def test_a_model_with_too_little_userdata_gets_room_behind_its_own():
     spec = carrying(friction())
     need, spec.nuserdata = spec.nuserdata, 5
@@ -102,16 +92,6 @@ def test_data_made_before_their_model_got_room_are_left_alone_with_one_warning(b
         mujoco.mj_resetData(model, early)
         with pytest.raises(ModelError, match="0 numbers of userdata, the model"):
             fj.torque(model, early)
-
-
-def parent_of_friction(own):
-    """A model with user data of its own, to which one with friction is attached."""
-    parent = mujoco.MjSpec()
-    parent.nuserdata = own
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # MuJoCo's, about the child's user data
-        parent.attach(carrying(friction()), prefix="L_", frame=parent.worldbody.add_frame())
-    return parent
 
 
 def test_friction_comes_with_attach_in_an_mjcf(tmp_path):
@@ -206,7 +186,11 @@ def test_numbers_changed_by_hand_or_in_a_compiled_model_count(tmp_path):
 
 @pytest.mark.parametrize("own", [100, 1000])
 def test_a_parent_with_many_user_data_keeps_them_all(own):
-    parent = parent_of_friction(own)
+    parent = mujoco.MjSpec()
+    parent.nuserdata = own
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # MuJoCo's, about the child's user data
+        parent.attach(carrying(friction()), prefix="L_", frame=parent.worldbody.add_frame())
     model = parent.compile()
     with fj.attach(model):
         room = model.nuserdata
@@ -215,7 +199,7 @@ def test_a_parent_with_many_user_data_keeps_them_all(own):
         data.qfrc_applied[0] = 0.5
         mujoco.mj_step(model, data, nstep=20)
         assert fj.torque(model, data)["L_elbow"].hysteresis > 0.0
-        assert read_friction(model)
+        assert read_friction(model)["L_elbow"].parameters == friction()
         assert model.nuserdata == room, "it gets room once"
     np.testing.assert_array_equal(data.userdata[:own], 7.0)
     fj.uninstall(parent)

@@ -78,10 +78,6 @@ def never_anything_else(file: Path, content: bytes) -> None:
     assert np.isfinite(data.qpos).all()
 
 
-def replaced(span: tuple[int, int], text: str) -> bytes:
-    return (TEXT[: span[0]] + text + TEXT[span[1] :]).encode("utf-8", "surrogatepass")
-
-
 number = st.floats(allow_nan=False, allow_infinity=False).map(repr) | st.integers(
     -(10**6), 10**6
 ).map(str)
@@ -91,7 +87,8 @@ word = st.sampled_from(["nan", "inf", "", "x", "1 2", "65536", "-1", "0.5", "1e4
 @settings(max_examples=EXAMPLES, deadline=None)
 @given(at=st.sampled_from(NUMBERS), text=number | word)
 def test_a_block_with_one_number_changed(file: Path, at: tuple[int, int], text: str) -> None:
-    never_anything_else(file, replaced(at, text))
+    start, end = at
+    never_anything_else(file, (TEXT[:start] + text + TEXT[end:]).encode())
 
 
 @settings(max_examples=EXAMPLES, deadline=None)

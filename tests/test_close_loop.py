@@ -10,34 +10,29 @@ import frictionjoint as fj
 from frictionjoint.report.folder import write_report
 
 
-@pytest.fixture
-def report(demo_report):
-    return demo_report
+def test_the_undeclared_effect_is_found_first(demo_report):
+    assert demo_report.added[0].effect == "position-periodic"
+    assert demo_report.added[0].evidence.p_value <= 0.05
+    assert demo_report.added[0].evidence.held_out_gain > 0.8
 
 
-def test_the_undeclared_effect_is_found_first(report):
-    assert report.added[0].effect == "position-periodic"
-    assert report.added[0].evidence.p_value <= 0.05
-    assert report.added[0].evidence.held_out_gain > 0.8
-
-
-def test_its_parameters_are_those_of_the_plant(report):
+def test_its_parameters_are_those_of_the_plant(demo_report):
     # the plant's cogging is 0.3 N m sin(14 q + 0.7), see the shipped README
-    found = report.added[0].parameters
+    found = demo_report.added[0].parameters
     amplitude = np.hypot(found["sin"].value, found["cos"].value)
     assert found["N"].value == pytest.approx(14.0, rel=0.01)
     assert amplitude == pytest.approx(0.3, rel=0.1)
 
 
-def test_errors_fall_on_data_used_for_nothing(report):
-    assert report.after_torque.held_out < 0.4 * report.before_torque.held_out
-    assert report.after_replay.held_out < 0.4 * report.before_replay.held_out
-    (low, _), (_, high) = report.torque_interval
+def test_errors_fall_on_data_used_for_nothing(demo_report):
+    assert demo_report.after_torque.held_out < 0.4 * demo_report.before_torque.held_out
+    assert demo_report.after_replay.held_out < 0.4 * demo_report.before_replay.held_out
+    (low, _), (_, high) = demo_report.torque_interval
     assert high < low, "the intervals before and after must not touch"
 
 
-def test_the_simulated_model_carries_law_and_effect(report, tmp_path):
-    write_report(report, tmp_path, "frictionjoint close-loop")
+def test_the_simulated_model_carries_law_and_effect(demo_report, tmp_path):
+    write_report(demo_report, tmp_path, "frictionjoint close-loop")
     from frictionjoint.simulate.carrier import read_friction
 
     model = fj.load_model(tmp_path / "model.xml")
@@ -55,8 +50,8 @@ def test_the_simulated_model_carries_law_and_effect(report, tmp_path):
     assert np.ptp(torques) == pytest.approx(0.6, rel=0.15)
 
 
-def test_report_json_follows_the_schema(report, tmp_path):
-    write_report(report, tmp_path, "frictionjoint close-loop")
+def test_report_json_follows_the_schema(demo_report, tmp_path):
+    write_report(demo_report, tmp_path, "frictionjoint close-loop")
     content = json.loads((tmp_path / "report.json").read_text())
     assert content["schema"] == "frictionjoint/report-1"
     assert [log["role"] for log in content["logs"]] == ["fit", "fit", "held-out"]

@@ -2,12 +2,11 @@
 
 import inspect
 import re
-from importlib.resources import files
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from test_cli import DEMO
 
 import frictionjoint as fj
 from frictionjoint.effects.catalogue import CATALOGUE
@@ -19,7 +18,6 @@ from frictionjoint.model_text import model_text, placed
 from frictionjoint.parameters import FrictionParameters, knots_of
 from frictionjoint.rivals import LuGreParameters
 
-DEMO = Path(str(files("frictionjoint"))) / "demo"
 LAW = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma2=0.3, stiffness=5000.0)
 
 

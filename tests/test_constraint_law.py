@@ -24,17 +24,25 @@ BELIEVED = """
 TRUE = BELIEVED.replace('name="j"', f'name="j" frictionloss="{LOSS}" damping="{DAMPING}"')
 
 
-def driven(seed: int, noise: float, seconds: float = 15.0, true: str = TRUE) -> JointLog:
+def driven(
+    seed: int,
+    noise: float,
+    true: str = TRUE,
+    seconds: float = 15.0,
+    sizes: tuple[float, ...] = (0.5, 0.3, 0.1),
+    frequencies: tuple[float, ...] = (0.13, 0.31, 0.7),
+    gains: tuple[float, float] = (40.0, 2.0),
+) -> JointLog:
     """The joint led by a controller along sines, its torque logged with noise, N m."""
     rng = np.random.default_rng(seed)
     model = mujoco.MjModel.from_xml_string(true)
     data = mujoco.MjData(model)
     n = int(seconds / model.opt.timestep)
-    f, phase = np.array([0.13, 0.31, 0.7]), rng.uniform(0.0, 6.28, 3)
+    f, phase = np.array(frequencies), rng.uniform(0.0, 6.28, 3)
     t, q, torque = (np.zeros(n) for _ in range(3))
     for k in range(n):
-        goal = float(np.sum([0.5, 0.3, 0.1] * np.sin(2.0 * np.pi * f * data.time + phase)))
-        data.ctrl[0] = 40.0 * (goal - data.qpos[0]) - 2.0 * data.qvel[0]
+        goal = float(np.sum(sizes * np.sin(2.0 * np.pi * f * data.time + phase)))
+        data.ctrl[0] = gains[0] * (goal - data.qpos[0]) - gains[1] * data.qvel[0]
         t[k], q[k], torque[k] = data.time, data.qpos[0], data.ctrl[0]
         mujoco.mj_step(model, data)
     torque += noise * rng.standard_normal(n)

@@ -5,22 +5,16 @@ import pytest
 
 from frictionjoint.measured.derivatives import differentiate, motion_band, uniform_motion
 from frictionjoint.measured.log import JointLog
+from tests.three_sines import sines
+
+LINES = ((0.4, 1.0), (0.1, 3.0))
 
 
 def sine(n: int = 6000, dt: float = 0.001, jitter: float = 0.0, noise: float = 0.0) -> JointLog:
-    """0.4 rad at 1 Hz, 0.1 rad at 3 Hz."""
     rng = np.random.default_rng(3)
     t = dt * np.arange(n) + jitter * dt * rng.uniform(-0.5, 0.5, n)
-    q = 0.4 * np.sin(2 * np.pi * t) + 0.1 * np.sin(6 * np.pi * t)
-    position = q + noise * rng.standard_normal(n)
+    position = sines(t, LINES)[0] + noise * rng.standard_normal(n)
     return JointLog(name="sine", joint="j", time=t, position=position, torque=np.cos(t))
-
-
-def truth(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Velocity and acceleration of that motion."""
-    w = 2 * np.pi
-    v = 0.4 * w * np.cos(w * t) + 0.3 * w * np.cos(3 * w * t)
-    return v, -0.4 * w**2 * np.sin(w * t) - 0.9 * w**2 * np.sin(3 * w * t)
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.6])
@@ -29,7 +23,7 @@ def test_velocity_and_acceleration_of_a_known_motion(jitter: float, noise: float
     d = differentiate(sine(jitter=jitter, noise=noise))
     np.testing.assert_allclose(np.diff(d.time), d.time[1] - d.time[0], rtol=1e-9)
     inner = slice(300, -300)
-    v, a = truth(d.time)
+    _, v, a = sines(d.time, LINES)
     assert np.sqrt(np.mean((d.velocity - v)[inner] ** 2)) < 0.01 * np.std(v)
     assert np.sqrt(np.mean((d.acceleration - a)[inner] ** 2)) < 0.05 * np.std(a)
 
@@ -39,8 +33,8 @@ def test_a_clock_that_jitters_adds_no_noise_to_the_acceleration() -> None:
     left = []
     for jitter in (0.0, 0.3):
         d = differentiate(sine(n=600, dt=0.01, jitter=jitter), 20.0)
-        inner = slice(50, -50)
-        left.append(np.std((d.acceleration - truth(d.time)[1])[inner]) / np.std(d.acceleration))
+        wrong = (d.acceleration - sines(d.time, LINES)[2])[50:-50]
+        left.append(np.std(wrong) / np.std(d.acceleration))
     assert left[1] < left[0] + 0.005
 
 

@@ -27,10 +27,7 @@ EMF_TERM = EffectTerm(next(e for e in CATALOGUE if e.name == "back-emf"))
 
 
 def looked(hidden):
-    return looked_at(logs(hidden))
-
-
-def looked_at(made):
+    made = logs(hidden)
     body = RigidBody(PLANT.format(""), "j")
     prepared = prepare(made, body, controller=KNOWN)
     speed = max(float(np.abs(np.gradient(log.position, log.time)).max()) for log in made)
@@ -72,7 +69,10 @@ def test_a_drive_as_its_file_says_asks_for_nothing():
 
 @pytest.mark.parametrize("effect", DRIVE_EFFECTS, ids=lambda e: f"{e.name} {e.form}")
 def test_the_controller_found_does_what_the_effect_says(effect):
-    log = logs_of_nothing()
+    time = np.arange(0.0, 1.0, 0.01)
+    log = JointLog(
+        name="log", joint="j", time=time, position=time, target=time, metadata={"kp": 2.0}
+    )
     own = block_of(KNOWN, log)
     shape = tuple(0.2 + 0.1 * i for i in range(len(effect.shape)))
     block, delay = effect.drive(own.copy(), 0.0, shape)
@@ -122,10 +122,3 @@ def test_a_gain_that_is_not_known_is_found_by_the_load_or_friction_is_over_it():
     (note,) = scale_note(over, slide=False)
     assert "over kp, as the position error in rad" in note
     assert "Give kp in the controller's file" in note
-
-
-def logs_of_nothing():
-    time = np.arange(0.0, 1.0, 0.01)
-    return JointLog(
-        name="log", joint="j", time=time, position=time, target=time, metadata={"kp": 2.0}
-    )

@@ -20,11 +20,6 @@ GAIN = 2.5
 BODY = RigidBody(PLANT.format(""), "j")
 
 
-def prepared_at_one_gain(hidden):
-    logs = [servo(m.__name__, GAIN, m, hidden) for m in (steps, sines, swept)]
-    return prepare(logs, BODY, controller=KNOWN)
-
-
 def state_with(prepared, *terms):
     """A search that has these effects, all found in one look."""
     fitted = fit(prepared, terms)
@@ -40,7 +35,9 @@ def state_with(prepared, *terms):
 
 def test_of_forms_that_leave_the_same_the_first_is_taken_and_the_other_said():
     """Without damping an output is the error times the gain, and these logs have one gain."""
-    prepared = prepared_at_one_gain({"threshold": 0.31, "left": 0.35})
+    hidden = {"threshold": 0.31, "left": 0.35}
+    logs = [servo(m.__name__, GAIN, m, hidden) for m in (steps, sines, swept)]
+    prepared = prepare(logs, BODY, controller=KNOWN)
     of_output = DriveTerm(duty_drop.OF_OUTPUT, (0.31 * GAIN, 0.35))
     state = state_with(prepared, EffectTerm(back_emf.EFFECT), of_output)
     rng = np.random.default_rng(0)

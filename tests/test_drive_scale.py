@@ -15,6 +15,7 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.report.joint_report import Report
 from frictionjoint.report.page import render
 from tests.command_line import run
+from tests.three_sines import sines
 
 N, DT = 6000, 2e-3
 KT = 2.5
@@ -27,10 +28,7 @@ def log() -> JointLog:
     """A light rotor on a level axis, slow, its current measured; friction in closed form."""
     rng = np.random.default_rng(5)
     t = DT * np.arange(N)
-    w, size = 2 * np.pi * np.array([[0.1], [0.23], [0.4]]), np.array([[0.8], [0.3], [0.1]])
-    q = np.sum(size * np.sin(w * t), axis=0)
-    v = np.sum(size * w * np.cos(w * t), axis=0)
-    a = -np.sum(size * w**2 * np.sin(w * t), axis=0)
+    q, v, a = sines(t, [(0.8, 0.1), (0.3, 0.23), (0.1, 0.4)])
     torque = 0.002 * a + FC * np.tanh(v / 0.01) + SIGMA2 * v
     current = torque / KT + 0.01 * rng.standard_normal(N)
     return JointLog(name="log", joint="j", time=t, position=q, current=current)

@@ -16,33 +16,34 @@ from frictionjoint.errors import FrictionJointError
 from frictionjoint.measured.log import JointLog
 
 STEP, EVERY, SECONDS = 5e-4, 4, 8.0
+TIME = STEP * np.arange(int(SECONDS / STEP))
+TWO_SINES = 1.1 * np.sin(3.0 * TIME) + 0.6 * np.sin(7.1 * TIME + 1.0)
 ARM = """<mujoco><option timestep="0.0005" integrator="implicitfast"/><worldbody><body>
 <joint name="elbow" axis="0 1 0" {joint}/><inertial pos="0.2 0 0" mass="0.5" diaginertia="1e-3 1e-3
 1e-3"/>{more}</body></worldbody>{end}</mujoco>"""
-NONE = ARM.format(joint="", more="", end="")
-COULOMB = ARM.format(
-    joint='frictionloss="0.3" damping="0.05" solimpfriction="0.99 0.999 0.001" '
-    'solreffriction="0.001 1"',
-    more="",
-    end="",
+
+
+def arm(joint: str = "", more: str = "", end: str = "") -> str:
+    return ARM.format(joint=joint, more=more, end=end)
+
+
+NONE = arm()
+COULOMB = arm(
+    'frictionloss="0.3" damping="0.05" solimpfriction="0.99 0.999 0.001" solreffriction="0.001 1"'
 )
-LUGRE = ARM.format(
-    joint="",
-    more="",
+LUGRE = arm(
     end='<actuator><dcmotor name="f" joint="elbow" input="none" motorconst="1e-6" resistance="1" '
-    'lugre="300 0.5 0.3 0.35 0.1"/></actuator>',
+    'lugre="300 0.5 0.3 0.35 0.1"/></actuator>'
 )
-YIELD = ARM.format(
-    joint="",
-    more="",
+YIELD = arm(
     end='<tendon><fixed stiffness="300" springlength="0" springyield="0.001"><joint joint="elbow" '
-    'coef="1"/></fixed></tendon>',
+    'coef="1"/></fixed></tendon>'
 )
 
 # a link behind a spring, and behind a gap of 0.02 rad
 BEHIND = '<joint name="elbow_deflection" axis="0 1 0" {}/>'
 ELASTIC, PLAY = (
-    ARM.format(joint='armature="0.02" damping="0.3"', more=BEHIND.format(more), end="")
+    arm('armature="0.02" damping="0.3"', BEHIND.format(more))
     for more in (
         'stiffness="60" damping="0.05"',
         'limited="true" range="-0.573 0.573" solimplimit="0.0001 0.0001 1 0.5 1" '
@@ -51,25 +52,23 @@ ELASTIC, PLAY = (
 )
 
 
-def simulated(mjcf: str, drive: str = "torque") -> JointLog:
-    """A log of an arm under a torque of two sines that moves it past both directions."""
+def simulated(mjcf: str, drive: str = "torque", course: np.ndarray = TWO_SINES) -> JointLog:
+    """A log of an arm under a torque that moves it past both directions, or under its control."""
     model = mujoco.MjModel.from_xml_string(mjcf)
     data = mujoco.MjData(model)
-    time = STEP * np.arange(int(SECONDS / STEP))
-    torque = 1.1 * np.sin(3.0 * time) + 0.6 * np.sin(7.1 * time + 1.0)
-    position = np.empty_like(time)
-    for k in range(len(time)):
+    given, position = course.copy(), np.empty_like(TIME)
+    for k in range(len(TIME)):
         position[k] = data.qpos[0]
         if drive == "torque":
             # gravity compensated, so that the motion stays in reach
-            torque[k] += data.qfrc_bias[0]
-            data.qfrc_applied[0] = torque[k]
+            given[k] += data.qfrc_bias[0]
+            data.qfrc_applied[0] = given[k]
         else:
-            data.ctrl[0] = torque[k]
+            data.ctrl[0] = given[k]
         mujoco.mj_step(model, data)
     kept = slice(None, None, EVERY)
-    given = {drive: torque[kept]}
-    return JointLog(name="log", joint="elbow", time=time[kept], position=position[kept], **given)
+    driven = {drive: given[kept]}
+    return JointLog(name="log", joint="elbow", time=TIME[kept], position=position[kept], **driven)
 
 
 @pytest.mark.parametrize("name", ["none", "coulomb", "lugre", "yield", "elastic", "play"])
@@ -117,9 +116,8 @@ def test_our_friction_is_evaluated_as_any_other(tmp_path: Path) -> None:
 
 
 def test_a_voltage_is_the_control_of_the_motor_in_the_model() -> None:
-    motor = ARM.format(
-        joint='damping="0.3"',
-        more="",
+    motor = arm(
+        'damping="0.3"',
         end='<actuator><dcmotor name="m" joint="elbow" motorconst="0.8" resistance="0.5"/>'
         "</actuator>",
     )
@@ -132,22 +130,11 @@ def test_a_voltage_is_the_control_of_the_motor_in_the_model() -> None:
 
 
 def test_a_target_needs_a_controller_and_gives_a_closed_loop() -> None:
-    servo = ARM.format(
-        joint='damping="0.2"',
-        more="",
+    servo = arm(
+        'damping="0.2"',
         end='<actuator><position name="s" joint="elbow" kp="30" kv="1"/></actuator>',
     )
-    model = mujoco.MjModel.from_xml_string(servo)
-    data = mujoco.MjData(model)
-    time = STEP * np.arange(int(SECONDS / STEP))
-    target, position = 0.6 * np.sin(2.0 * time), np.empty_like(time)
-    for k in range(len(time)):
-        position[k], data.ctrl[0] = data.qpos[0], target[k]
-        mujoco.mj_step(model, data)
-    kept = slice(None, None, EVERY)
-    log = JointLog(
-        name="a", joint="elbow", time=time[kept], position=position[kept], target=target[kept]
-    )
+    log = simulated(servo, "target", 0.6 * np.sin(2.0 * TIME))
     found = fj.evaluate(servo, [log]).joints["elbow"]
     assert found.closed_loop_mae < 1e-3
     assert found.replay_rms is None

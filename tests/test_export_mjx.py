@@ -11,10 +11,8 @@ import frictionjoint as fj
 from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.run import export
 
-LAW = fj.FrictionParameters(
-    **{"Fs_pos": 1.5, "Fs_neg": 1.5, "Fc_pos": 1.0, "Fc_neg": 1.0, "Vs_pos": 0.05, "Vs_neg": 0.05},
-    **{"sigma2_pos": 0.4, "sigma2_neg": 0.4},
-    knots=((1e-3, 1.0), (3e-3, 2.0), (2e-2, 3.0)),
+LAW = fj.FrictionParameters.symmetric(
+    Fs=1.5, Fc=1.0, Vs=0.05, sigma2=0.4, knots=((1e-3, 1.0), (3e-3, 2.0), (2e-2, 3.0))
 )
 ARM = """<mujoco><option integrator="implicit" solver="PGS"><flag energy="enable"/></option>
 <worldbody><body name="arm"><joint name="elbow" axis="0 1 0" range="-300 300"/>
@@ -41,11 +39,7 @@ def test_what_is_refused_is_left_out_and_named(tmp_path: Path) -> None:
     parts = "integrator implicit", "solver PGS", "flag energy", "'own'", "'limit'", "presliding"
     assert [part for part in parts if part not in said] == []
     assert fit_for_mjx(mujoco.MjSpec.from_string(done.text)) == []
-
-
-def test_damping_is_one_number_and_coulomb_friction_is_there(tmp_path: Path) -> None:
-    path = carrying(ARM, LAW, tmp_path)
-    model = mujoco.MjModel.from_xml_string(export(path, "mjx", tmp_path / "mjx.xml").text)
+    # damping is one number, and Coulomb friction is there
     assert model.dof_frictionloss[0] > 0.5
     assert model.dof_damping[0] > 0.0
     np.testing.assert_array_equal(np.ravel(getattr(model, "dof_dampingpoly", 0.0)), 0.0)

@@ -56,8 +56,8 @@ EFFECTS = (
 )
 
 
-def arm(folder: Path, friction, effects=None, user=3) -> Path:
-    spec = mujoco.MjSpec.from_string(ARM.format(user=user))
+def arm(folder: Path, friction, effects=None) -> Path:
+    spec = mujoco.MjSpec.from_string(ARM.format(user=3))
     install(spec, friction, effects)
     spec.compile()
     path = folder / "arm.xml"

@@ -23,17 +23,14 @@ BIAS = next(e for e in CATALOGUE if e.name == "torque-bias")
 WITH_EFFECT = JointFriction(LAW, (SimulatedEffect(BIAS, (), (0.1,)),))
 
 
-def simulated(h, seconds, torque, kind=np.float64, n=1, laws=LAW, device=None, implicit=True):
+def simulated(h, seconds, torque, kind=np.float64, n=1, laws=LAW, device=None):
     """Positions, shape (steps, n), of n joints under a torque, with semi-implicit Euler."""
     batch = fj.FrictionBatch(laws, n, device=device)
     q, v, positions = np.zeros(n, kind), np.zeros(n, kind), []
     for k in range(round(seconds / h)):
         F, K, D = batch.step(q, v, h)
-        if implicit:
-            other = torque(k * h) - F + D * v
-            v = ((INERTIA * v + h * other) / (INERTIA + h * (h * K + D))).astype(kind)
-        else:
-            v = (v + h * (torque(k * h) - F) / INERTIA).astype(kind)
+        other = torque(k * h) - F + D * v
+        v = ((INERTIA * v + h * other) / (INERTIA + h * (h * K + D))).astype(kind)
         q = (q + h * v).astype(kind)
         positions.append(q)
     return np.array(positions)

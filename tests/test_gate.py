@@ -22,14 +22,15 @@ from frictionjoint.measured.long_logs import bounded
 from frictionjoint.measured.readers import read_log
 from frictionjoint.simulate.stick_slip import kuka_model
 from tests import leg
+from tests.three_sines import sines
 
 MODELS = kuka_model().parent
 N, DT = 5000, 2e-3
 J, MGL = 0.5, 6.0
 
 
-def pendulum(inertia: float = J, gravity: float = MGL, level: bool = False) -> RigidBody:
-    """Hangs at zero, or stands out level there.
+def pendulum(inertia: float = J, gravity: float = MGL) -> RigidBody:
+    """Hangs at zero.
 
     Args:
         inertia: about the joint, kg m^2. gravity: torque when it is level, N m.
@@ -38,10 +39,9 @@ def pendulum(inertia: float = J, gravity: float = MGL, level: bool = False) -> R
     if gravity:
         length = 0.5 * inertia * 9.81 / gravity
         mass = gravity / 9.81 / length
-    place = f"{-length} 0 0" if level else f"0 0 {-length}"
     return RigidBody(
         f"""<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" axis="0 1 0"/>
-        <inertial mass="{mass}" pos="{place}" diaginertia="9 {inertia - mass * length**2} 9"/>
+        <inertial mass="{mass}" pos="0 0 {-length}" diaginertia="9 {inertia - mass * length**2} 9"/>
         </body></worldbody></mujoco>""",
         "j",
     )
@@ -50,16 +50,12 @@ def pendulum(inertia: float = J, gravity: float = MGL, level: bool = False) -> R
 def motion(speed: float = 1.0, reach: float = 0.6) -> tuple[np.ndarray, ...]:
     """Time, position, velocity and acceleration of three waves."""
     t = DT * np.arange(N)
-    w = 2 * np.pi * speed * np.array([[0.25], [0.6], [1.4]])
-    size = reach * np.array([[0.7], [0.25], [0.05]])
-    q = np.sum(size * np.sin(w * t), axis=0)
-    v = np.sum(size * w * np.cos(w * t), axis=0)
-    return t, q, v, -np.sum(size * w**2 * np.sin(w * t), axis=0)
+    lines = [(0.7, 0.25), (0.25, 0.6), (0.05, 1.4)]
+    return t, *sines(t, [(reach * size, speed * f) for size, f in lines])
 
 
-def log(name: str, q: np.ndarray, drive: np.ndarray, noise: float = 0.02, **more) -> JointLog:
+def log(name: str, q: np.ndarray, drive: np.ndarray, noise=0.02, kind="torque") -> JointLog:
     rng = np.random.default_rng(2)
-    kind = more.pop("kind", "torque")
     drive = drive + noise * rng.standard_normal(N)
     return JointLog(name=name, joint="j", time=DT * np.arange(N), position=q, **{kind: drive})
 
@@ -110,7 +106,12 @@ def test_good_logs_pass(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", ["coulomb", "viscous alone", "biased", "a current", "a voltage"])
 def test_wrong_signs_are_named(kind: str) -> None:
-    named_with_either_reversed(good_logs()[kind], pendulum())
+    good = good_logs()[kind]
+    drive = next(n for n in ("torque", "voltage", "current") if getattr(good, n) is not None)
+    for name in ("position", drive):
+        wrong = replace(good, **{name: -getattr(good, name)})
+        with pytest.raises(LogError, match=f"wrong sign of position or {drive}"):
+            check(prepare([wrong], pendulum()))
 
 
 def test_a_log_that_something_pushes_is_not_refused_beside_others() -> None:
@@ -125,15 +126,6 @@ def test_a_log_that_something_pushes_is_not_refused_beside_others() -> None:
     turned = replace(good_logs()["coulomb"], torque=-good_logs()["coulomb"].torque)
     with pytest.raises(LogError, match="coulomb: wrong sign"):
         check(prepare([good, turned], pendulum()))
-
-
-def named_with_either_reversed(good: JointLog, body: RigidBody) -> None:
-    check(prepare([good], body))
-    drive = next(n for n in ("torque", "voltage", "current") if getattr(good, n) is not None)
-    for name in ("position", drive):
-        wrong = replace(good, **{name: -getattr(good, name)})
-        with pytest.raises(LogError, match=f"wrong sign of position or {drive}"):
-            check(prepare([wrong], body))
 
 
 def test_where_no_torque_was_measured_the_target_is_named() -> None:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from test_gate import stages
 
 import frictionjoint as fj
 from frictionjoint.errors import LogError
@@ -19,10 +20,7 @@ def log(size: float, name: str) -> JointLog:
     t = DT * np.arange(N)
     q = size * (np.sin(2.0 * np.pi * 0.3 * t) + 0.3 * np.sin(2.0 * np.pi * 0.8 * t))
     a = np.gradient(np.gradient(q, DT), DT)
-    held, friction = 0.0, np.empty(N)
-    for k in range(N):
-        held = np.clip(held + STIFFNESS * (q[k] - q[k - 1] if k else 0.0), -LEVEL, LEVEL)
-        friction[k] = held
+    friction = stages(q, LEVEL, LEVEL / STIFFNESS)
     noise = 2e-3 * np.random.default_rng(1).standard_normal(N)
     return JointLog(name=name, joint="j", time=t, position=q, torque=0.05 * a + friction + noise)
 

@@ -16,13 +16,16 @@ from frictionjoint.laws import parameters_from_dict
 from frictionjoint.simulate.stick_slip import kuka_model
 
 
+def printed(script: str) -> str:
+    """What a process of its own prints."""
+    command = [sys.executable, "-c", script]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
 def modules(script: str) -> set[str]:
     """Top-level modules that a process of its own has loaded at the end of a script."""
     ending = "; import sys; print('\\n'.join({m.partition('.')[0] for m in sys.modules}))"
-    run = subprocess.run(
-        [sys.executable, "-c", script + ending], check=True, capture_output=True, text=True
-    )
-    return set(run.stdout.split())
+    return set(printed(script + ending).split())
 
 
 def test_the_import_leaves_heavy_libraries_alone():
@@ -49,12 +52,11 @@ def test_a_simulation_loads_no_readers_no_plots_and_no_command_line():
 
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="memory is read from /proc")
 def test_a_loaded_model_takes_at_most_120_megabytes():
-    script = (
+    status = printed(
         f"import frictionjoint as fj; fj.load_model({str(kuka_model())!r}); "
         "print(open('/proc/self/status').read())"
     )
-    run = subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True)
-    kilobytes = next(line for line in run.stdout.splitlines() if line.startswith("VmRSS"))
+    kilobytes = next(line for line in status.splitlines() if line.startswith("VmRSS"))
     assert int(kilobytes.split()[1]) < 120_000
 
 

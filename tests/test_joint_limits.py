@@ -1,8 +1,8 @@
 """Logs of a joint that reaches the limits of its MJCF: what a limit gives no log tells."""
 
-import mujoco
 import numpy as np
 import pytest
+from test_constraint_law import driven
 
 from frictionjoint import close_loop
 from frictionjoint.diagnose.library import other_forms
@@ -26,21 +26,9 @@ BELIEVED = MODEL.format(RANGE.format(-LIMIT, LIMIT))
 TRUE = MODEL.format(RANGE.format(-LIMIT, LIMIT) + f' damping="0.2" frictionloss="{LOSS}"')
 
 
-def pressed(seed: int, true: str = TRUE, seconds: float = 10.0) -> JointLog:
+def pressed(seed: int) -> JointLog:
     """The joint led along sines that go beyond its range, its torque logged."""
-    rng = np.random.default_rng(seed)
-    model = mujoco.MjModel.from_xml_string(true)
-    data = mujoco.MjData(model)
-    n = int(seconds / model.opt.timestep)
-    t, q, torque = np.zeros((3, n))
-    f, phase = np.array([0.35, 1.3, 3.1]), rng.uniform(0.0, 6.28, 3)
-    for k in range(n):
-        goal = float(np.sum([0.5, 0.2, 0.08] * np.sin(2.0 * np.pi * f * data.time + phase)))
-        data.ctrl[0] = 25.0 * (goal - data.qpos[0]) - 0.8 * data.qvel[0]
-        t[k], q[k], torque[k] = data.time, data.qpos[0], data.ctrl[0]
-        mujoco.mj_step(model, data)
-    torque += 0.02 * rng.standard_normal(n)
-    return JointLog(name=f"log{seed}", joint="j", time=t, position=q, torque=torque)
+    return driven(seed, 0.02, TRUE, 10.0, (0.5, 0.2, 0.08), (0.35, 1.3, 3.1), (25.0, 0.8))
 
 
 def swinging(reach: float) -> JointLog:

@@ -13,14 +13,6 @@ from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm, delay_of
 
-DELAY = EffectTerm(measurement_delay.EFFECT, (0.0,))
-
-
-@pytest.fixture(scope="module")
-def logs(tmp_path_factory):
-    return prepared_logs(PENDULUM, tmp_path_factory.mktemp("layout"), 1)
-
-
 # The plants' controller holds its torque for a millisecond.
 HALF_A_TICK, SIGMA2 = 0.5e-3, 0.1
 # much inertia and little viscosity: what a delay makes of the one shows beside the other
@@ -57,6 +49,7 @@ def test_a_delay_of_several_samples_is_more_than_timing(tmp_path):
     logs = prepared_logs(late, tmp_path, 1)
     found = fit(logs, forms=forms_of("lugre"))
     assert delay_of(found.terms) == pytest.approx(logs.segments[0].sample, rel=0.01)
-    better = fit(logs, (DELAY,), forms=forms_of("lugre"))
+    delay = EffectTerm(measurement_delay.EFFECT, (0.0,))
+    better = fit(logs, (delay,), forms=forms_of("lugre"))
     assert delay_of(better.terms) == pytest.approx(8e-3 + HALF_A_TICK, abs=3e-4)
     assert better.rms < 0.7 * found.rms

@@ -44,15 +44,6 @@ def error_of(path: Path, joint: str | None = None) -> str:
     return text
 
 
-def test_a_csv_reads_back_exactly(tmp_path: Path) -> None:
-    table = columns()
-    log = read_log(write(tmp_path / "log.csv", table))
-    for ours, theirs in (("time", "time_s"), ("position", "position_rad"), ("torque", "torque_nm")):
-        np.testing.assert_array_equal(getattr(log, ours), table[theirs])
-    assert log.name == "log"
-    assert not log.slide
-
-
 def test_bom_crlf_quotes_blank_lines_and_semicolons_are_no_errors(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", columns())
     text = path.read_text().replace("time_s", '"time_s"').replace(",", ";").replace("\n", "\r\n")
@@ -80,13 +71,20 @@ def test_text_of_other_endings_separators_and_points_is_read(
         read_log(path)
 
 
+def rows_of(path: Path, kept: np.ndarray) -> JointLog:
+    """A log of which some rows are there."""
+    return read_log(write(path / "log.csv", {name: x[kept] for name, x in columns().items()}))
+
+
 def test_a_log_is_split_at_a_gap(tmp_path: Path) -> None:
-    table = {name: np.delete(x, slice(100, 150)) for name, x in columns().items()}
-    whole = read_log(write(tmp_path / "log.csv", table))
+    kept = np.r_[0:100, 150:N]
+    whole = rows_of(tmp_path, kept)
     parts = split_at_gaps(whole)
     assert [len(part.time) for part in parts] == [100, 250]
     assert [part.name for part in parts] == ["log (1 of 2)", "log (2 of 2)"]
-    np.testing.assert_array_equal(np.concatenate([p.torque for p in parts]), table["torque_nm"])
+    np.testing.assert_array_equal(
+        np.concatenate([p.torque for p in parts]), columns()["torque_nm"][kept]
+    )
     assert all(part.notes == ("log: a gap of 0.102 s at 0.3 s: split there.",) for part in parts)
     # what a fit takes is split in any case
     assert [part.name for part in bounded([whole])] == [part.name for part in parts]
@@ -94,17 +92,13 @@ def test_a_log_is_split_at_a_gap(tmp_path: Path) -> None:
 
 def test_stretches_too_short_between_gaps_are_left_out_and_said(tmp_path: Path) -> None:
     kept = np.r_[0:100, 150:170, 220:N]
-    parts = split_at_gaps(
-        read_log(write(tmp_path / "log.csv", {k: x[kept] for k, x in columns().items()}))
-    )
+    parts = split_at_gaps(rows_of(tmp_path, kept))
     assert [len(part.time) for part in parts] == [100, 180]
     assert "and 1 more" in parts[0].notes[0]
     assert "20 samples in stretches under 50 are left out" in parts[0].notes[0]
     short = np.r_[0:40, 100:140, 200:240]
     with pytest.raises(LogError, match="no part of 50 samples"):
-        split_at_gaps(
-            read_log(write(tmp_path / "log.csv", {k: x[short] for k, x in columns().items()}))
-        )
+        split_at_gaps(rows_of(tmp_path, short))
 
 
 @pytest.mark.parametrize(
@@ -149,19 +143,15 @@ def test_rows_that_stand_several_times_are_taken_once(tmp_path: Path, times: int
     )
 
 
-def held_readings(most: int) -> dict[str, np.ndarray]:
-    """A log whose readings stand for up to so many rows, as where messages are lost."""
+def test_readings_held_while_the_joint_moves_are_refused(tmp_path: Path) -> None:
+    """They stand for up to nine rows, as where messages are lost."""
     table, rng = columns(), np.random.default_rng(3)
-    fresh = np.cumsum(rng.integers(1, most + 1, N))
+    fresh = np.cumsum(rng.integers(1, 10, N))
     at = fresh[np.searchsorted(fresh, np.arange(N), side="right") - 1].clip(0, N - 1)
     for name in ("position_rad", "torque_nm"):
         table[name] = table[name][at]
     del table["velocity_rad_s"]
-    return table
-
-
-def test_readings_held_while_the_joint_moves_are_refused(tmp_path: Path) -> None:
-    error = error_of(write(tmp_path / "log.csv", held_readings(9)))
+    error = error_of(write(tmp_path / "log.csv", table))
     assert "position_rad" in error
     assert "of the travel lies in jumps" in error
 

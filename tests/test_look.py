@@ -2,19 +2,16 @@
 
 import json
 import re
-from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pytest
 from command_line import run
 from reports import empty, good, robot
+from test_cli import LOG
 
 from frictionjoint.files import toml_text
 from frictionjoint.parameters import FrictionParameters
 
-DEMO = Path(str(files("frictionjoint"))) / "demo"
-LOG = DEMO / "ramps.csv"
 LAW = FrictionParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma2=0.3, stiffness=5000.0)
 ARM = """<mujoco><worldbody><body><joint name="hinge" axis="0 1 0" frictionloss="0.4"/>
 <geom size=".1"/><body><joint name="rail" type="slide" damping="2"/><geom size=".1"/><body>

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from frictionjoint.measured.lowpass import LowPass, gentle, steep
 
-N, DT, INERTIA = 4000, 5e-3, 0.3
+N, DT = 4000, 5e-3
 T = DT * np.arange(N)
 INNER = slice(400, -400)
 # amplitude, rad, and frequency, Hz, of a motion up to nearly half of the Nyquist frequency

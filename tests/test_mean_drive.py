@@ -18,7 +18,7 @@ T = SAMPLE * np.arange(200)
     "known",
     [
         {"limit": 1.5},
-        {"deadband": 0.2},
+        {"deadband": 0.2, "deadband_form": "cut"},
         {"drop_above": 0.25, "drop_left": 0.4},
         {"target_rate": 2.0, "limit": 1.0},
     ],
@@ -40,8 +40,6 @@ def test_it_is_what_a_fine_controller_puts_out_on_average(known):
     drive *= np.where(np.abs(error) > known.get("drop_above", math.inf), 0.4, 1.0)
     # from the middle of the first sample on
     expected = drive[100:-100].reshape(-1, 200).mean(axis=1)
-    if "deadband" in known:
-        known = {**known, "deadband_form": "cut"}
     log = JointLog(name="log", joint="j", time=T, position=position, target=target)
     controller = Controller(output="torque_nm", kp=5.0, **known)
     found = commands(log, controller).mean_drive()[1:]

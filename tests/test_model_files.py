@@ -181,6 +181,14 @@ URDF = """<?xml version="1.0"?>
     <dynamics damping="0.3" friction="0.2"/></joint>
 </robot>
 """
+
+
+def urdf(package: Path, visual: str, collision: str, more: str = "") -> Path:
+    path = package / "urdf" / "arm.urdf"
+    path.write_text(URDF.format(more=more, visual=visual, collision=collision))
+    return path
+
+
 KEEP_VISUAL = '<mujoco><compiler discardvisual="false"/></mujoco>'
 
 
@@ -213,15 +221,9 @@ def size(model: mujoco.MjModel) -> float:
 )
 def test_a_urdf_gets_friction_and_keeps_its_meshes(where, package, tmp_path):
     collision = where.format(package=package)
-    text = URDF.format(
-        more="", visual=collision.replace("collision", "visual"), collision=collision
-    )
-    (package / "urdf" / "arm.urdf").write_text(text)
-    done = run(
-        *("install", package / "urdf" / "arm.urdf", "--all", "f.toml", "--clear-native"),
-        *("--out", "out/arm.xml"),
-        cwd=tmp_path,
-    )
+    path = urdf(package, collision.replace("collision", "visual"), collision)
+    given = ("install", path, "--all", "f.toml", "--clear-native")
+    done = run(*given, "--out", "out/arm.xml", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     model = fj.load_model(tmp_path / "out" / "arm.xml")
     assert size(model) == pytest.approx(0.1, rel=1e-5)
@@ -232,33 +234,25 @@ def test_a_urdf_gets_friction_and_keeps_its_meshes(where, package, tmp_path):
 def test_shapes_whose_meshes_are_nowhere_are_left_out_and_said(package, recwarn):
     """Masses are the URDF's own, and a robot's dynamics needs no shape."""
     visual, collision = "package://x/gone.dae", "package://x/meshes/collision/gone.stl"
-    (package / "urdf" / "arm.urdf").write_text(
-        URDF.format(more="", visual=visual, collision=collision)
-    )
     with pytest.warns(RuntimeWarning, match=r"meshes not found: .*gone\.stl; the"):
-        model = compile_model(package / "urdf" / "arm.urdf")
+        model = compile_model(urdf(package, visual, collision))
     assert (model.nmesh, float(model.body("link").mass[0])) == (0, 1.0)
-    seen = URDF.format(more=KEEP_VISUAL, visual=visual, collision="../meshes/collision/link.stl")
-    (package / "urdf" / "arm.urdf").write_text(seen)
+    seen = urdf(package, visual, "../meshes/collision/link.stl", KEEP_VISUAL)
     with pytest.warns(RuntimeWarning, match=r"meshes not found: .*gone\.dae; the"):
-        assert compile_model(package / "urdf" / "arm.urdf").nmesh == 1
+        assert compile_model(seen).nmesh == 1
     # what is only looked at is not needed
-    text = URDF.format(
-        more="", visual=visual, collision=collision.replace("gone", "link").replace("x", "y", 1)
-    )
-    (package / "urdf" / "arm.urdf").write_text(text)
+    path = urdf(package, visual, collision.replace("gone", "link").replace("x", "y", 1))
     recwarn.clear()
-    assert compile_model(package / "urdf" / "arm.urdf").nmesh == 1
+    assert compile_model(path).nmesh == 1
     assert not recwarn.list
 
 
 def test_a_mesh_that_a_link_has_its_mass_of_is_needed(package):
-    text = URDF.format(more="", visual="x.dae", collision="package://x/gone.stl")
-    head, _, rest = text.partition('<link name="link"><inertial>')
-    text = head + '<link name="link">' + rest.partition("</inertial>")[2]
-    (package / "urdf" / "arm.urdf").write_text(text)
+    path = urdf(package, "x.dae", "package://x/gone.stl")
+    head, _, rest = path.read_text().partition('<link name="link"><inertial>')
+    path.write_text(head + '<link name="link">' + rest.partition("</inertial>")[2])
     with pytest.raises(FrictionJointError, match=r"gone\.stl of links that move and have no "):
-        read_spec(package / "urdf" / "arm.urdf")
+        read_spec(path)
 
 
 HALVES = """<inertial><mass value="1"/>

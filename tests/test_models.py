@@ -64,7 +64,7 @@ def test_every_model_in_the_folder_is_known():
 
 
 @pytest.mark.parametrize("name", JOINTS)
-def test_joints_and_units(name):
+def test_joints_and_units_without_native_friction_or_contact(name):
     model = model_of(name)
     assert [model.joint(i).name for i in range(model.njnt)] == JOINTS[name]
     assert 'compiler angle="radian"' in (MODELS / f"{name}.xml").read_text()
@@ -72,11 +72,6 @@ def test_joints_and_units(name):
     assert np.abs(model.jnt_range).max() <= 2 * np.pi + 1e-3
     kind = mujoco.mjtJoint.mjJNT_SLIDE if name == "emps" else mujoco.mjtJoint.mjJNT_HINGE
     assert (model.jnt_type == kind).all()
-
-
-@pytest.mark.parametrize("name", JOINTS)
-def test_no_native_friction_no_contact(name):
-    model = model_of(name)
     assert not np.any(model.dof_frictionloss)
     assert not np.any(model.dof_damping)
     assert not np.any(model.geom_contype)
@@ -108,12 +103,9 @@ def test_kuka_ir361():
     data.ctrl[0] = 1
     mujoco.mj_forward(model, data)
     assert data.actuator_force[0] == 393
-
-
-def test_kuka_carries_the_friction_of_its_toml():
-    carried = read_friction(model_of("kuka_ir361_joint1"))
     content = tomllib.loads((MODELS / "kuka_ir361_joint1.friction.toml").read_text())
-    assert carried["joint1"].parameters == fj.FrictionParameters.from_dict(content)
+    friction = read_friction(model)["joint1"].parameters
+    assert friction == fj.FrictionParameters.from_dict(content)
 
 
 def test_pendulum_hangs_at_zero_and_has_the_tip_mass():

@@ -1,4 +1,4 @@
-"""A voltage-driven joint: its motor in MuJoCo, let go and held, and whole logs in closed loop."""
+"""Logs of a motor by its voltage or current, in closed loop and let go."""
 
 from dataclasses import replace
 
@@ -23,44 +23,14 @@ MASS, LENGTH, ARMATURE, GRAVITY = 0.5, 0.1, 0.002, 9.81
 INERTIA = MASS * LENGTH**2 + ARMATURE + 1e-6
 MOTOR = Motor(gain=0.1, back_emf=0.04)
 XML = f"""
-<mujoco><option timestep="0.001" integrator="implicitfast" gravity="0 0 -{GRAVITY}"/>
+<mujoco><option timestep="0.0005" integrator="implicitfast" gravity="0 0 -{GRAVITY}"/>
 <worldbody><body><joint name="arm" axis="0 -1 0" armature="{ARMATURE}"/>
 <inertial pos="0 0 -{LENGTH}" mass="{MASS}" diaginertia="1e-6 1e-6 1e-6"/></body></worldbody>
 </mujoco>"""
-N = 4000
 VISCOUS = 0.02  # of the plant
 
 
-def log(target, enabled=None, position=0.0):
-    time = 1e-3 * np.arange(len(target))
-    return JointLog(
-        name="log",
-        joint="arm",
-        time=time,
-        position=np.full(len(time), position),
-        voltage=np.zeros(len(time)),
-        target=np.asarray(target, dtype=float),
-        torque_enabled=enabled,
-    )
-
-
-def swing(back_emf, start=1.0):
-    """The pendulum let fall with what it loses, by the equation of motion with flat friction."""
-    q, v, h, path = start, 0.0, 1e-5, []
-    for k in range(int(N * 1e-3 / h)):
-        if k % 100 == 0:
-            path.append(q)
-        pull = -MASS * GRAVITY * LENGTH * np.sin(q) - (0.004 + back_emf) * v
-        brake = min(0.02, abs(INERTIA * v / h + pull))
-        v += h * (pull - np.copysign(brake, INERTIA * v / h + pull)) / INERTIA
-        q += h * v
-    return np.array(path)
-
-
-# identification
-
-
-def plant(target, enabled, load=0.0, gain=MOTOR.gain, emf=MOTOR.back_emf):
+def plant(target, enabled, load=0.0, emf=MOTOR.back_emf):
     """A log of a plant integrated by hand: friction grows with the torque behind the rotor."""
     q, v, h = 0.0, 0.0, 1e-4
     rows = []
@@ -69,7 +39,7 @@ def plant(target, enabled, load=0.0, gain=MOTOR.gain, emf=MOTOR.back_emf):
         volts = min(7.0, max(-7.0, 14.0 * (aim - q))) if enabled[k // 50] else 0.0
         if k % 50 == 0:
             rows.append((q, volts))
-        torque = gain * volts - emf * v if enabled[k // 50] else 0.0
+        torque = MOTOR.gain * volts - emf * v if enabled[k // 50] else 0.0
         pull = torque - MASS * GRAVITY * LENGTH * np.sin(q) - VISCOUS * v
         # the torque the gear transmits follows from the acceleration, which it changes
         a = 0.0
@@ -107,11 +77,15 @@ def fitted(one, *effects):
     return reweighed(prepared, fit(prepared, terms, forms=INTEGRATED[:1]))[1]
 
 
-def test_letting_go_tells_viscous_friction_from_back_emf(driven_and_let_go):
+def test_letting_go_tells_viscous_friction_from_back_emf_and_the_load_of_the_gear(
+    driven_and_let_go,
+):
+    """The rotor's own torque is no load: in free swing that is most of the rigid body's."""
     found = fitted(driven_and_let_go, back_emf.EFFECT, load_dependent.EFFECT)
     assert found.gain == pytest.approx(0.1, rel=0.01)
     assert found.term_coefficients(0)[0] == pytest.approx(0.04, rel=0.02)
     assert found.coefficient("sigma2") == pytest.approx(VISCOUS, rel=0.02)
+    assert found.term_coefficients(1)[0] == pytest.approx(0.2, rel=0.02)
 
 
 def test_a_current_is_a_torque_up_to_a_gain():
@@ -138,9 +112,3 @@ def test_logs_of_a_voltage_and_of_a_current_do_not_go_together(driven_and_let_go
     other = replace(driven_and_let_go, name="amps", voltage=None, current=driven_and_let_go.voltage)
     with pytest.raises(LogError, match="plant has a voltage and amps a current: give logs of one"):
         prepare([driven_and_let_go, other], RigidBody(XML, "arm"))
-
-
-def test_load_is_what_the_gear_transmits(driven_and_let_go):
-    """The rotor's own torque is no load: in free swing that is most of the rigid body's."""
-    found = fitted(driven_and_let_go, back_emf.EFFECT, load_dependent.EFFECT)
-    assert found.term_coefficients(1)[0] == pytest.approx(0.2, rel=0.02)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test_motor import GRAVITY, INERTIA, LENGTH, MASS, XML
 
 from frictionjoint import FrictionParameters, attach
 from frictionjoint.diagnose.trace import trace
@@ -20,18 +21,11 @@ from frictionjoint.replay.free_runs import motor_of, replay
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
 
-MASS, LENGTH, ARMATURE, GRAVITY = 0.5, 0.1, 0.002, 9.81
-INERTIA = MASS * LENGTH**2 + ARMATURE + 1e-6
 GAIN, EMF, S = 0.13, 0.05, 2.5
 COULOMB, VISCOUS = 0.03, 0.01
 LAW = FrictionParameters.symmetric(
     Fs=0.03, Fc=0.03, Vs=0.1, sigma2=0.01, n=2, knots=((1e-4, 0.06),)
 )
-XML = f"""
-<mujoco><option timestep="0.0005" integrator="implicitfast" gravity="0 0 -{GRAVITY}"/>
-<worldbody><body><joint name="arm" axis="0 -1 0" armature="{ARMATURE}"/>
-<inertial pos="0 0 -{LENGTH}" mass="{MASS}" diaginertia="1e-6 1e-6 1e-6"/></body></worldbody>
-</mujoco>"""
 
 
 def given_by_bisection(asked):

@@ -1,4 +1,4 @@
-"""A motor that gives less as it warms: found in logs that hold a temperature, followed after."""
+"""A motor that gives less as it warms, in a run of one joint as in MuJoCo."""
 
 from dataclasses import replace
 
@@ -12,7 +12,6 @@ from frictionjoint.effects import motor_temperature
 from frictionjoint.identify.joint_load import load_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.joint_friction import SimulatedEffect
-from frictionjoint.measured.log import JointLog
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
@@ -75,39 +74,3 @@ def test_a_temperature_that_changes_is_followed_and_an_unknown_one_rests():
     np.testing.assert_array_equal(found[: N // 2 + 1], cold[: N // 2 + 1])
     assert np.abs(found - cold)[-1000:].max() > 0.01
     np.testing.assert_allclose(found[-500:], hot[-500:], atol=2e-3)
-
-
-# identification
-
-PENDULUM = """<mujoco><option timestep="0.0005" integrator="implicitfast"/>
-<worldbody><body><joint name="arm" axis="0 -1 0" armature="0.002" {}/>
-<inertial pos="0 0 -0.1" mass="0.5" diaginertia="1e-6 1e-6 1e-6"/></body></worldbody></mujoco>"""
-
-
-def log(celsius, seed, n=3000):
-    """Of a plant of MuJoCo's own with its own friction, at 500 Hz and one temperature."""
-    rng = np.random.default_rng(seed)
-    model = mujoco.MjModel.from_xml_string(PENDULUM.format('frictionloss="0.03" damping="0.01"'))
-    data = mujoco.MjData(model)
-    time = 2e-3 * np.arange(n)
-    volts = sum(
-        size * np.sin(2.0 * np.pi * f * time + rng.uniform(0.0, 6.28))
-        for size, f in ((3.5, 0.43), (2.5, 1.1), (2.0, 1.9))
-    )
-    closed, position = time % 4.0 < 3.0, np.empty(n)
-    over = 1.0 + A * (celsius - T0)
-    for i in range(n):
-        position[i] = data.qpos[0]
-        for _ in range(4):
-            torque = (GAIN * volts[i] - EMF * data.qvel[0]) / over
-            data.qfrc_applied[0] = torque if closed[i] else 0.0
-            mujoco.mj_step(model, data)
-    return JointLog(
-        name=f"{celsius} deg C, {seed}",
-        joint="arm",
-        time=time,
-        position=2e-4 * np.round(position / 2e-4),
-        voltage=volts + rng.normal(0.0, 0.05, n),
-        torque_enabled=closed,
-        temperature=np.full(n, celsius) + np.linspace(0.0, 0.5, n),
-    )
