@@ -1,6 +1,5 @@
 """The simulation of one joint against MuJoCo stepping the same model."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -26,8 +25,8 @@ LAW = FrictionParameters.symmetric(
 STEP, N = 1e-3, 3000
 
 
-def effect(name, shape, coefficients, form=0):
-    found = [e for e in CATALOGUE if e.name == name][form]
+def effect(name, shape, coefficients):
+    found = next(e for e in CATALOGUE if e.name == name)
     return SimulatedEffect(found, shape, coefficients)
 
 
@@ -37,6 +36,18 @@ def block(**figures):
     for name, x in figures.items():
         B[getattr(k, name)] = x
     return B
+
+
+def run_of(target, start, B):
+    return Run(
+        step=STEP,
+        target=target,
+        supply=np.ones(N),
+        on=np.ones(N, dtype=bool),
+        start=start,
+        load=load_of(RigidBody(MODEL, JOINT)),
+        block=B,
+    )
 
 
 def in_mujoco(effects, motor, B, target, start):
@@ -72,33 +83,10 @@ def test_it_steps_as_mujoco_does(effects):
     target = 0.8 * np.sin(6.0 * STEP * np.arange(N) ** 1.0)
     start = (0.3, -0.5)
     expected = in_mujoco(effects, motor, B, target, start)
-    run = Run(
-        step=STEP,
-        target=target,
-        supply=np.ones(N),
-        on=np.ones(N, dtype=bool),
-        start=start,
-        load=load_of(RigidBody(MODEL, JOINT)),
-        block=B,
-    )
     model = JointModel(LAW, effects, motor.gain, motor.back_emf)
     # the load is looked up by its harmonics, so the last digits differ
-    np.testing.assert_allclose(simulate(model, run), expected, atol=1e-9)
+    np.testing.assert_allclose(simulate(model, run_of(target, start, B)), expected, atol=1e-9)
     assert np.ptp(expected) > 0.5
-
-
-def standing(target, law=LAW):
-    """A run of the hanging pendulum from rest away from its target, and its positions."""
-    run = Run(
-        step=STEP,
-        target=np.full(N, target),
-        supply=np.ones(N),
-        on=np.ones(N, dtype=bool),
-        start=(0.4, 0.0),
-        load=load_of(RigidBody(MODEL, JOINT)),
-        block=block(KP=1.0),
-    )
-    return run, simulate(JointModel(law, [], 0.1), run)
 
 
 @pytest.mark.parametrize(
@@ -113,10 +101,7 @@ def standing(target, law=LAW):
 )
 @pytest.mark.parametrize("lag", [0.0, 2.5])
 def test_friction_holds_a_joint_beside_its_effects(effects, lag):
-    run, _ = standing(0.4)
+    run = run_of(np.full(N, 0.6), (0.4, 0.0), block(KP=1.0))
     strong = FrictionParameters.symmetric(Fs=2.0, Fc=1.8, Vs=0.2, knots=((0.002, 2.0), (0.01, 4.0)))
-    alone = simulate(JointModel(strong, [], 1.0), replace(run, target=np.full(N, 0.6)))
-    model = JointModel(strong, effects, 1.0, lag=lag * STEP)
-    found = simulate(model, replace(run, target=np.full(N, 0.6)))
-    for positions in (alone, found):
-        assert np.abs(positions - 0.4).max() < 1e-6
+    for model in (JointModel(strong, [], 1.0), JointModel(strong, effects, 1.0, lag=lag * STEP)):
+        assert np.abs(simulate(model, run) - 0.4).max() < 1e-6

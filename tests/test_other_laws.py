@@ -18,11 +18,12 @@ from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 
+PLANT = replace(PENDULUM, motions=(Motion("sines", 1, 0.8, 0.8, 8.0),))
+
 
 @pytest.fixture(scope="module")
 def prepared(tmp_path_factory):
-    motions = (Motion("sines", 1, 0.8, 0.8, 8.0),)
-    return prepared_logs(replace(PENDULUM, motions=motions), tmp_path_factory.mktemp("logs"))
+    return prepared_logs(PLANT, tmp_path_factory.mktemp("logs"))
 
 
 @pytest.mark.parametrize("law", [INTEGRATED_LAW, "static"])
@@ -75,8 +76,7 @@ def test_an_effect_that_another_law_does_without_is_told(prepared):
 
 
 def test_an_effect_that_every_law_needs_stays(tmp_path):
-    motions = (Motion("sines", 1, 0.8, 0.8, 8.0),)
     spring = Effect("spring", {"stiffness": 2.0, "rest": 0.0})
-    logs = prepared_logs(replace(PENDULUM, motions=motions, effects=(spring,)), tmp_path)
+    logs = prepared_logs(replace(PLANT, effects=(spring,)), tmp_path)
     base, laws = static(logs)
     assert not laws.do_without(logs, base, refit(logs, (EffectTerm(SPRING),), base.shape))

@@ -44,23 +44,13 @@ def recorded(spec, target, name):
     )  # fmt: skip
 
 
-def logs_of(spec, reach, speed):
-    kinds = ("multisine", "ramps")
-    motions = [Motion(kind, 3 + i, reach, speed, 8.0) for i, kind in enumerate(kinds)]
-    return [recorded(spec, paths.target(m, PERIOD), m.kind) for m in motions]
-
-
-def as_target(motion):
-    """The motion of a proposal at the plant's control period."""
-    t = np.arange(0.0, motion.duration, PERIOD)
-    return np.interp(t, motion.dt * np.arange(len(motion.position)), motion.position)
-
-
 def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_does():
     # an axis without gravity: torque-gain and inertia-error are one until the load changes
     spec = replace(PLANT, effects=(Effect("inertia-error", {"inertia": 0.04}),), length=0.0)
     body = RigidBody(assemble(spec).believed(), "joint")
-    prepared = prepare(logs_of(spec, 0.8, 2.0), body)
+    motions = Motion("multisine", 3, 0.8, 2.0, 8.0), Motion("ramps", 4, 0.8, 2.0, 8.0)
+    logs = [recorded(spec, paths.target(m, PERIOD), m.kind) for m in motions]
+    prepared = prepare(logs, body)
     found = trace(prepared, law="integrated")
     step = found.findings[0]
     assert {step.term.name, *step.ties} == {"torque-gain", "inertia-error"}
@@ -79,8 +69,10 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
 
     more = 1.0 + proposal.motion.payload
     loaded = replace(spec, mass=more * spec.mass, inertia=more * spec.inertia)
+    motion, t = proposal.motion, np.arange(0.0, proposal.motion.duration, PERIOD)
+    target = np.interp(t, motion.dt * np.arange(len(motion.position)), motion.position)
     new = prepare(
-        [recorded(loaded, as_target(proposal.motion), "payload")],
+        [recorded(loaded, target, "payload")],
         RigidBody(assemble(loaded).believed(), "joint"),
         prepared.band,
     )

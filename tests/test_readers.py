@@ -1,7 +1,6 @@
 """Readers of other formats give the log that was written."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,6 +11,7 @@ from scipy.io import savemat
 from torch_file import Plain, torch_file
 
 from frictionjoint.errors import LogError
+from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import joints_with_drive, read_log
 
 T = 0.004 * np.arange(300)
@@ -24,49 +24,54 @@ TABLE = {
 MAPPING = {"time_s": "t", "position_rad": "q", "torque_nm": "tau"}
 
 
-def save_csv(path: Path) -> None:
-    pd.DataFrame(TABLE).assign(note='a "word", and more').to_csv(path, index=False)
+# what else a file of each kind may hold, or in another shape
+KINDS: dict[str, dict[str, object]] = {
+    "csv": {"note": 'a "word", and more'},
+    "parquet": {"note": "text"},
+    "npz": {},
+    "mat": {"q": TABLE["q"][:, None], "model": {"gear": 3.0}},
+}
 
 
-def save_parquet(path: Path) -> None:
-    pd.DataFrame(TABLE).assign(note="text").to_parquet(path)
+def save(path: Path, **columns: object) -> Path:
+    """A file of the kind that its name ends with."""
+    if path.suffix in (".npz", ".mat"):
+        np.savez(path, **columns) if path.suffix == ".npz" else savemat(path, columns)
+    else:
+        frame = pd.DataFrame(columns)
+        frame.to_csv(path, index=False) if path.suffix == ".csv" else frame.to_parquet(path)
+    return path
 
 
-def save_npz(path: Path) -> None:
-    np.savez(path, **TABLE)
+def holds_the_table(log: JointLog) -> None:
+    np.testing.assert_array_equal(log.position, TABLE["q"])
+    np.testing.assert_array_equal(log.torque, TABLE["tau"])
 
 
-def save_mat(path: Path) -> None:
-    savemat(path, {**TABLE, "q": TABLE["q"][:, None], "model": {"gear": 3.0}})
+def refused(what: str, *arguments: object) -> None:
+    with pytest.raises(LogError, match=what):
+        read_log(*arguments)
 
 
-SAVERS = {"csv": save_csv, "parquet": save_parquet, "npz": save_npz, "mat": save_mat}
-
-
-@pytest.mark.parametrize("kind", SAVERS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_foreign_names_by_mapping(tmp_path: Path, kind: str) -> None:
-    path = tmp_path / f"log.{kind}"
-    SAVERS[kind](path)
+    path = save(tmp_path / f"log.{kind}", **TABLE | KINDS[kind])
     log = read_log(path, "elbow", MAPPING)
     assert log.joint == "elbow"
     np.testing.assert_array_equal(log.time, T)
-    np.testing.assert_array_equal(log.position, TABLE["q"])
-    np.testing.assert_array_equal(log.torque, TABLE["tau"])
-    for wrong, what in (({"time_s": "clock"}, "'clock'"), ({"angle": "q"}, "'angle'")):
-        with pytest.raises(LogError, match=what):
-            read_log(path, columns=MAPPING | wrong)
-    with pytest.raises(LogError, match="no column 'time_s', it has"):
-        read_log(path)
+    holds_the_table(log)
+    refused("'clock'", path, None, MAPPING | {"time_s": "clock"})
+    refused("'angle'", path, None, MAPPING | {"angle": "q"})
+    refused("no column 'time_s', it has", path)
 
 
 @pytest.mark.parametrize("kind", ["npz", "mat"])
 @pytest.mark.parametrize("across", [False, True], ids=["a row a sample", "a column a sample"])
 def test_a_matrix_has_columns_by_number(tmp_path: Path, kind: str, across: bool) -> None:
-    path = tmp_path / f"log.{kind}"
     q = np.column_stack([TABLE["q"], 2.0 * TABLE["q"], 3.0 * TABLE["q"]])
     tau = np.column_stack([TABLE["tau"]] * 3)
-    save: Callable[..., None] = np.savez if kind == "npz" else _mat
-    save(path, t=T, q=q.T if across else q, tau=tau.T if across else tau)
+    q_kept, tau_kept = (q.T, tau.T) if across else (q, tau)
+    path = save(tmp_path / f"log.{kind}", t=T, q=q_kept, tau=tau_kept)
     joints = {"shoulder": 0, "elbow": 2}
     mapping = {"time_s": "t"}
     for joint, k in joints.items():
@@ -80,51 +85,33 @@ def test_a_matrix_has_columns_by_number(tmp_path: Path, kind: str, across: bool)
         ("t[0]", r"t\[0\]: t is one column, name it without"),
         ("v[0]", r"no column 'v\[0\]', it has"),
     ):
-        with pytest.raises(LogError, match=what):
-            read_log(path, "elbow", MAPPING | {"torque_nm": "tau[0]", "position_rad": wrong})
-
-
-def _mat(path: Path, **columns: np.ndarray) -> None:
-    savemat(path, columns)
-
-
-def save_dates(path: Path, zone: str | None, **changed: object) -> None:
-    moments = pd.Timestamp("2026-01-05 23:59:59", tz=zone) + pd.to_timedelta(T, unit="s")
-    frame = pd.DataFrame(TABLE | {"t": moments}).assign(**changed)
-    frame.to_csv(path, index=False) if path.suffix == ".csv" else frame.to_parquet(path)
+        refused(what, path, "elbow", MAPPING | {"torque_nm": "tau[0]", "position_rad": wrong})
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 @pytest.mark.parametrize("zone", [None, "UTC", "Europe/Brussels"])
 def test_times_may_be_dates(tmp_path: Path, kind: str, zone: str | None) -> None:
-    path = tmp_path / f"log.{kind}"
-    save_dates(path, zone)
+    moments = pd.Timestamp("2026-01-05 23:59:59", tz=zone) + pd.to_timedelta(T, unit="s")
+    path = save(tmp_path / f"log.{kind}", **TABLE | {"t": moments})
     log = read_log(path, "elbow", MAPPING)
     np.testing.assert_allclose(log.time, T, atol=1e-9)
-    np.testing.assert_array_equal(log.position, TABLE["q"])
+    holds_the_table(log)
 
 
-@pytest.mark.parametrize("kind", SAVERS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_gains_that_stay_are_figures_of_the_log(tmp_path: Path, kind: str) -> None:
-    path = tmp_path / f"log.{kind}"
     gains = {"elbow.kp": np.full(300, 20.0), "kp": np.full(300, 9.0), "D": np.full(300, 0.5)}
     names = {"q": "elbow.position_rad", "tau": "elbow.target_rad"}
     table = {"time_s": T, "vin": np.linspace(11.0, 12.0, 300)} | gains
     table |= {ours: TABLE[theirs] for theirs, ours in names.items()}
-    if kind in ("csv", "parquet"):
-        frame = pd.DataFrame(table)
-        frame.to_csv(path, index=False) if kind == "csv" else frame.to_parquet(path)
-    else:
-        (np.savez if kind == "npz" else _mat)(path, **table)
+    path = save(tmp_path / f"log.{kind}", **table)
     # a supply that falls is none
     assert read_log(path, columns={"kd": "D"}).metadata == {"kp": 20.0, "kd": 0.5}
 
 
 def test_a_slide_and_a_current(tmp_path: Path) -> None:
-    path = tmp_path / "slide.csv"
-    names = {"t": "time_s", "q": "position_m", "tau": "current_a"}
-    pd.DataFrame(TABLE).rename(columns=names).to_csv(path, index=False)
-    log = read_log(path)
+    columns = {"time_s": T, "position_m": TABLE["q"], "current_a": TABLE["tau"]}
+    log = read_log(save(tmp_path / "slide.csv", **columns))
     assert log.slide
     assert log.torque is None
     np.testing.assert_array_equal(log.current, TABLE["tau"])
@@ -154,31 +141,24 @@ def write_bag(
         stamp = divmod(recorded, 1_000_000_000) if stamped else (0, 0)
         return kinds.Header(stamp=kinds.Time(sec=stamp[0], nanosec=stamp[1]), frame_id="")
 
-    def joint_state(recorded: int, position: np.ndarray, torque: np.ndarray) -> object:
-        return kinds.JointState(
-            header=header(recorded),
-            name=["elbow", "wrist"],
-            position=position,
-            velocity=np.zeros(0),
-            effort=torque,
-        )
+    none, zero = np.zeros(0), kinds.Duration(sec=0, nanosec=0)
+
+    def joint_state(recorded: int, position: np.ndarray, torque: np.ndarray = none) -> object:
+        return kinds.JointState(header(recorded), ["elbow", "wrist"], position, none, torque)
 
     def controller_state(recorded: int, target: np.ndarray) -> object:
-        def point(x: np.ndarray) -> object:
-            none, zero = np.zeros(0), kinds.Duration(sec=0, nanosec=0)
-            return kinds.JointTrajectoryPoint(
-                positions=x, velocities=none, accelerations=none, effort=none, time_from_start=zero
-            )
-
-        names = ["wrist", "elbow"]
-        points = {"reference": point(target[::-1].copy()), "feedback": point(np.zeros(2))}
-        return kinds.JointTrajectoryControllerState(
-            header=header(recorded), joint_names=names, **points
+        points = (
+            kinds.JointTrajectoryPoint(x, none, none, none, zero)
+            for x in (target[::-1].copy(), np.zeros(2))
         )
+        names = ["wrist", "elbow"]
+        return kinds.JointTrajectoryControllerState(header(recorded), names, *points)
 
     with rosbag2.Writer(path, version=9, storage_plugin=storage) as writer:
         connection = writer.add_connection("/arm", kinds.JointState.__msgtype__, typestore=store)
-        told = kinds.JointState if command == "JointState" else kinds.JointTrajectoryControllerState
+        told, state = kinds.JointTrajectoryControllerState, controller_state
+        if command == "JointState":
+            told, state = kinds.JointState, joint_state
         commands = command and writer.add_connection("/told", told.__msgtype__, typestore=store)
         for i in range(len(T)):
             recorded = 1_700_000_000_000_000_000 + 4_000_000 * i
@@ -187,11 +167,7 @@ def write_bag(
             writer.write(connection, recorded, store.serialize_cdr(message, connection.msgtype))
             if command and i >= 3 and i % 2:  # every second sample, 1 ms later, from the fourth on
                 later, target = recorded + 1_000_000, np.array([0.01 * i, -0.1])
-                message = (
-                    joint_state(later, target, np.zeros(0))
-                    if command == "JointState"
-                    else controller_state(later, target)
-                )
+                message = state(later, target)
                 writer.write(commands, later, store.serialize_cdr(message, commands.msgtype))
     return path
 
@@ -204,16 +180,14 @@ def test_ros_bags(tmp_path: Path, plugin: str, stamped: bool) -> None:
         log = read_log(path, "elbow")
         # the stamps' whole nanoseconds survive
         np.testing.assert_allclose(log.time, T, rtol=0, atol=1e-12)
-        np.testing.assert_array_equal(log.position, TABLE["q"])
-        np.testing.assert_array_equal(log.torque, TABLE["tau"])
+        holds_the_table(log)
         assert log.velocity is None
         assert list(log.other_positions) == ["wrist"]
         assert read_log(path, "elbow", {"position_m": "position"}).slide
-        for joint, what in (("hip", "it has elbow, wrist"), (None, "name one of elbow, wrist")):
-            with pytest.raises(LogError, match=what):
-                read_log(path, joint)
-        with pytest.raises(LogError, match="no sensor_msgs/msg/JointState topic named /leg"):
-            read_log(path, "elbow", {"topic": "/leg"})
+        refused("it has elbow, wrist", path, "hip")
+        refused("name one of elbow, wrist", path, None)
+        no_topic = "no sensor_msgs/msg/JointState topic named /leg"
+        refused(no_topic, path, "elbow", {"topic": "/leg"})
 
 
 def test_fields_of_any_message_are_named(tmp_path: Path) -> None:
@@ -221,21 +195,19 @@ def test_fields_of_any_message_are_named(tmp_path: Path) -> None:
     fields = {"position_rad": "position[0]", "torque_nm": "effort[0]"}
     log = read_log(path, columns=fields)
     np.testing.assert_allclose(log.time, T, rtol=0, atol=1e-6)
-    np.testing.assert_array_equal(log.position, TABLE["q"])
-    np.testing.assert_array_equal(log.torque, TABLE["tau"])
+    holds_the_table(log)
     for wrong, what in (
         ({"position_rad": "angle"}, "field is missing"),
         ({"position_rad": "position[9]"}, "field is missing"),
         ({"position_rad": "position"}, "same length"),
         ({"joints": "a"}, "--column joints cannot be used"),
     ):
-        with pytest.raises(LogError, match=what):
-            read_log(path, columns=fields | wrong)
+        refused(what, path, None, fields | wrong)
 
 
 def test_a_bag_without_effort(tmp_path: Path) -> None:
-    with pytest.raises(LogError, match="effort is empty and name the topic of its commands"):
-        read_log(write_bag(tmp_path / "bag", "mcap", effort=False), "elbow")
+    bag = write_bag(tmp_path / "bag", "mcap", effort=False)
+    refused("effort is empty and name the topic of its commands", bag, "elbow")
 
 
 @pytest.mark.parametrize("kind", ["JointState", "controller state"])
@@ -251,8 +223,7 @@ def test_a_bag_with_commands(tmp_path: Path, kind: str, effort: bool) -> None:
     np.testing.assert_allclose(log.target, expected, atol=1e-15)
     assert (log.torque is None) is not effort
     assert set(joints_with_drive(bag, topics)) == {"elbow", "wrist"}
-    with pytest.raises(LogError, match="topic named /asked, it has /arm"):
-        read_log(bag, "elbow", topics | {"command": "/asked"})
+    refused("topic named /asked, it has /arm", bag, "elbow", topics | {"command": "/asked"})
 
 
 PACE = {
@@ -277,8 +248,7 @@ def test_a_log_of_pace(tmp_path: Path) -> None:
         ("hip", {"joints": "hip"}, "it has 2 joints, but the names are hip"),
         ("hip", {"unit": "deg"}, "--column takes joints and world"),
     ):
-        with pytest.raises(LogError, match=what):
-            read_log(path, joint, columns)
+        refused(what, path, joint, columns)
 
 
 class Harm:
@@ -308,8 +278,7 @@ def test_a_bad_file_of_tensors_is_one_line(
     assert not capsys.readouterr().out
     for content in (b"", b"PK\x03\x04", path.read_bytes()[:300]):
         path.write_bytes(content)
-        with pytest.raises(LogError, match="chirp"):
-            read_log(path, "joint_1")
+        refused("chirp", path, "joint_1")
 
 
 def lerobot_set(folder: Path, version: int, names: object = None, count: int = 2) -> Path:
@@ -332,18 +301,18 @@ def lerobot_set(folder: Path, version: int, names: object = None, count: int = 2
     (folder / "meta").mkdir(parents=True)
     (folder / "meta/info.json").write_text(json.dumps(info))
     (folder / "data/chunk-000").mkdir(parents=True)
-    n = len(T)
+    degrees = np.degrees(TABLE["q"])
+
+    def rows(elbow: np.ndarray) -> list[np.ndarray]:
+        return list(np.column_stack([elbow, T]).astype(np.float32))
+
     episodes = [
         pd.DataFrame(
             {
-                "timestamp": (np.arange(n) / 50).astype(np.float32),
+                "timestamp": (np.arange(len(T)) / 50).astype(np.float32),
                 "episode_index": i,
-                "observation.state": list(
-                    np.column_stack([(i + 1) * np.degrees(TABLE["q"]), T]).astype(np.float32)
-                ),
-                "action": list(
-                    np.column_stack([np.degrees(TABLE["q"]) + 1.0, T]).astype(np.float32)
-                ),
+                "observation.state": rows((i + 1) * degrees),
+                "action": rows(degrees + 1.0),
             }
         )
         for i in range(count)
@@ -373,14 +342,11 @@ def test_a_lerobot_data_set(tmp_path: Path, version: int) -> None:
         (known | {"episode": "2"}, "no episode '2'"),
         (known | {"topic": "/arm"}, "--column takes unit and episode"),
     ):
-        with pytest.raises(LogError, match=what):
-            read_log(folder, "elbow", columns)
-    with pytest.raises(LogError, match="no joint 'hip', it has elbow, wrist"):
-        read_log(folder, "hip", known)
+        refused(what, folder, "elbow", columns)
+    refused("no joint 'hip', it has elbow, wrist", folder, "hip", known)
     file = sorted((folder / "data").glob("*/*.parquet"))[0]
     file.write_bytes(file.read_bytes()[:400])
-    with pytest.raises(LogError, match=file.name):
-        read_log(folder, "elbow", known)
+    refused(file.name, folder, "elbow", known)
 
 
 def test_an_odrive_recording(tmp_path: Path) -> None:
@@ -388,5 +354,4 @@ def test_an_odrive_recording(tmp_path: Path) -> None:
     np.save(path, np.array([T, 8192 / (2 * np.pi) * TABLE["q"], TABLE["tau"]]))
     np.testing.assert_allclose(read_log(path).position, TABLE["q"], atol=1e-15)
     np.save(path, np.ones((4, 300)))
-    with pytest.raises(LogError, match="three rows"):
-        read_log(path)
+    refused("three rows", path)

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 from command_line import run
+from led import led
 from reports import good
 
 from frictionjoint import close_loop
@@ -29,6 +30,7 @@ from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import install
 
 STEP, EVERY, SECONDS = 5e-4, 8, 12.0
+TIME = STEP * np.arange(int(SECONDS / STEP))
 FC, FS, VS, SIGMA2 = 0.30, 0.36, 0.15, 0.08
 ARM = """<mujoco><option timestep="0.0005" integrator="implicitfast"/><worldbody><body>
 <joint name="elbow" axis="0 1 0" {joint}/><inertial pos="0.2 0 0" mass="0.5" diaginertia="1e-3 1e-3
@@ -50,7 +52,7 @@ def noisy(
     name: str, torque: np.ndarray, position: np.ndarray, rng: np.random.Generator, noise: float
 ) -> JointLog:
     kept = slice(None, None, EVERY)
-    time, q, tau = STEP * np.arange(len(torque))[kept], position[kept], torque[kept]
+    time, q, tau = TIME[kept], position[kept], torque[kept]
     q = q + rng.normal(0.0, 2e-5, len(q))
     tau = tau + rng.normal(0.0, noise, len(tau))
     return JointLog(name=name, joint="elbow", time=time, position=q, torque=tau)
@@ -59,37 +61,20 @@ def noisy(
 def recording(seed: int, Fc: float = FC, sigma2: float = SIGMA2, noise: float = 0.01) -> JointLog:
     """A joint of MuJoCo under a random sum of sines, with noise of torque and position."""
     rng = np.random.default_rng(seed)
-    model = joint_with(Fc, sigma2)
-    data = mujoco.MjData(model)
-    time = STEP * np.arange(int(SECONDS / STEP))
     w, a, p = (rng.uniform(*ends, (5, 1)) for ends in ((2.0, 12.0), (0.2, 0.4), (0.0, 6.0)))
-    torque = np.sum(a * np.sin(w * time + p), axis=0)
-    position = np.empty_like(time)
-    for k in range(len(time)):
-        position[k] = data.qpos[0]
-        torque[k] += data.qfrc_bias[0] - 0.5 * data.qpos[0]
-        data.qfrc_applied[0] = torque[k]
-        mujoco.mj_step(model, data)
-    return noisy(f"log{seed}", torque, position, rng, noise)
+    target = np.sum(2.0 * a * np.sin(w * TIME + p), axis=0)
+    moved = led(joint_with(Fc, sigma2), target, kp=0.5, bears=True)
+    return noisy(f"log{seed}", *moved, rng, noise)
 
 
 def staircase() -> JointLog:
     """Steps with rests between them, which a stiff controller makes."""
-    model = joint_with()
-    data = mujoco.MjData(model)
-    time = STEP * np.arange(int(SECONDS / STEP))
     stairs = 0.3 * np.array([0, 1, 2, 3, 2, 1, 0, -1, -2, -1, 0])
-    rest, moved = (time / 0.8).astype(int) % 10, np.clip((time % 0.8) / 0.17, 0.0, 1.0)
+    rest, moved = (TIME / 0.8).astype(int) % 10, np.clip((TIME % 0.8) / 0.17, 0.0, 1.0)
     smooth = np.where(moved < 0.5, 2.0 * moved**2, 1.0 - 2.0 * (1.0 - moved) ** 2)
     target = stairs[rest] + (stairs[rest + 1] - stairs[rest]) * smooth
-    torque, position = np.empty_like(time), np.empty_like(time)
-    for k in range(len(time)):
-        position[k] = data.qpos[0]
-        pull = 30.0 * (target[k] - data.qpos[0]) - 1.3 * data.qvel[0]
-        torque[k] = data.qfrc_bias[0] + pull
-        data.qfrc_applied[0] = torque[k]
-        mujoco.mj_step(model, data)
-    return noisy("staircase", torque, position, np.random.default_rng(5), 0.01)
+    moved = led(joint_with(), target, kp=30.0, kd=1.3, bears=True)
+    return noisy("staircase", *moved, np.random.default_rng(5), 0.01)
 
 
 def pushed(log: JointLog) -> JointLog:
@@ -172,11 +157,10 @@ def report(folder: Path) -> Path:
     return folder
 
 
-def save(log: JointLog, path: Path) -> Path:
+def save(log: JointLog, path: Path, drive: str = "torque_nm") -> None:
     rows = np.column_stack([log.time, log.position, log.torque])
-    header = "time_s,position_rad,torque_nm"
+    header = f"time_s,position_rad,{drive}"
     np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.9g")
-    return path
 
 
 def test_drift_is_told_from_none_and_from_what_a_log_does_not_show(tmp_path: Path) -> None:
@@ -201,9 +185,8 @@ def test_drift_is_told_from_none_and_from_what_a_log_does_not_show(tmp_path: Pat
     # a log of target and position is compared by the controller next to the report
     kp = 40.0
     log = recording(4, Fc=0.38)
-    rows = np.column_stack([log.time, log.position, log.position + log.torque / kp])
-    header = "time_s,position_rad,target_rad"
-    np.savetxt(tmp_path / "servo.csv", rows, delimiter=",", header=header, comments="")
+    target = log.position + log.torque / kp
+    save(replace(log, torque=target), tmp_path / "servo.csv", "target_rad")
     servo = run("drift", folder, "servo.csv", cwd=tmp_path)
     assert servo.returncode == 2
     assert "no measured drive" in servo.stderr
@@ -248,9 +231,8 @@ def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
     assert np.std(drawn) == pytest.approx(np.std(levels, ddof=1), rel=0.25)
     assert with_recordings(stated, logs[:2]) is stated
     # a torque that the result corrects is not compared as measured
-    (note,) = with_recordings(
-        replace(stated, added=(SimpleNamespace(effect="torque-gain"),)), logs
-    ).notes
+    corrected = replace(stated, added=(SimpleNamespace(effect="torque-gain"),))
+    (note,) = with_recordings(corrected, logs).notes
     assert "wrong motor constant" in note
     # a joint that something pushes along: its viscous friction would be negative
     found = with_recordings(stated, [pushed(log) for log in logs])
@@ -263,7 +245,7 @@ def test_differences_within_the_error_of_a_law_are_not_stated() -> None:
     """Fc of three recordings differs by 2%, and not by chance: a law errs by as much."""
     logs = [recording(50 + i, Fc=x) for i, x in enumerate((0.294, 0.3, 0.306))]
     found = with_recordings(Stated.of(known()), logs)
-    (row,) = [row for row in found.recordings if row["number"] == "Fc"]
+    row = next(row for row in found.recordings if row["number"] == "Fc")
     assert row["p_value"] < 0.01
     assert not [note for note in found.notes if "Coulomb friction varies" in note]
 

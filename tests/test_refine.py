@@ -23,14 +23,10 @@ TERMS = (
 )
 
 
-def fitted_logs():
-    return [servo(f"{m.__name__} 3", 3.0, m, HIDDEN, 3.0) for m in (steps, sines, swept)]
-
-
 @pytest.fixture(scope="module")
 def case():
     body = RigidBody(PLANT.format(""), "j")
-    seen = fitted_logs()
+    seen = [servo(f"{m.__name__} 3", 3.0, m, HIDDEN, 3.0) for m in (steps, sines, swept)]
     unseen = [servo("swept 1", 1.0, swept, HIDDEN, 3.0)]
     prepared = prepare(seen, body, controller=KNOWN)
     fitted = refit(prepared, TERMS, replace(INTEGRATED[0], Vs=0.1, length=0.002), ROUGH)

@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
+from led import led
 
 import frictionjoint as fj
 from frictionjoint.measured.log import JointLog
@@ -19,17 +20,11 @@ def log_of(lines, seed):
     """Stock MuJoCo with Coulomb and viscous friction; the torque wanders slowly, as one of a
     strain gauge does."""
     model = mujoco.MjModel.from_xml_string(ARM.format('frictionloss="0.6" damping="0.3"'))
-    data = mujoco.MjData(model)
     rng = np.random.default_rng(seed)
     n = 12_000
     time = 1e-3 * np.arange(n)
     target = sum(a * np.sin(2.0 * np.pi * f * time + p) for a, f, p in lines)
-    torque, position = np.empty(n), np.empty(n)
-    for k in range(n):
-        position[k] = data.qpos[0]
-        torque[k] = 60.0 * (target[k] - data.qpos[0]) - 4.0 * data.qvel[0]
-        data.qfrc_applied[0] = torque[k]
-        mujoco.mj_step(model, data)
+    torque, position = led(model, target, kp=60.0, kd=4.0)
     slow = np.convolve(rng.standard_normal(n + 400), np.ones(400) / 20.0, "same")[:n]
     return JointLog(
         name=f"log{seed}",

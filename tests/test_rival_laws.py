@@ -28,24 +28,20 @@ def dry(p):
     return dataclasses.replace(p, **values)
 
 
-def ramp(v, seconds=2.0, n=2001):
-    t = np.linspace(0.0, seconds, n)
-    return t, v * t
-
-
 @each_law
 @pytest.mark.parametrize("v", [0.02, 0.1, 0.5, -0.1])
 def test_steady_sliding_is_the_stribeck_curve(p, v):
     level = FC if p.law == "dahl" else FC + (FS - FC) * np.exp(-((v / VS) ** 2))
-    t, q = ramp(v)
-    assert friction_torque(p, t, q)[-1] == pytest.approx(
+    t = np.linspace(0.0, 2.0, 2001)
+    assert friction_torque(p, t, v * t)[-1] == pytest.approx(
         np.sign(v) * level + SIGMA2 * v, rel=1e-4 if p.law == "static" else 1e-6
     )
 
 
 @each_hysteretic
 def test_presliding_starts_with_the_stiffness(p):
-    t, q = ramp(1e-9)
+    t = np.linspace(0.0, 2.0, 2001)
+    q = 1e-9 * t
     slope = friction_torque(dry(p), t, q)[-1] / q[-1]
     assert slope == pytest.approx(K, rel=1e-4)  # the Maxwell-slip springs add up to K as well
 

@@ -20,21 +20,17 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 VIEWPORT = mujoco.MjrRect(0, 0, 1000, 600)
 
 
-def pulled(seconds: float, reach: float = 5.0):
+@pytest.fixture(scope="module")
+def run():
     """The KUKA joint pulled into stick-slip: model, data, scope and every sample."""
     model = fj.load_model(kuka_model())
-    data, scope, samples = mujoco.MjData(model), Scope(model, JOINT, reach), []
+    data, scope, samples = mujoco.MjData(model), Scope(model, JOINT), []
     with fj.attach(model):
-        while data.time < seconds:
+        while data.time < 3.0:
             data.ctrl[0] = SPEED * data.time
             mujoco.mj_step(model, data)
             samples.append(scope.record(data))
     return model, data, scope, samples
-
-
-@pytest.fixture(scope="module")
-def run():
-    return pulled(3.0)
 
 
 def test_the_torque_shown_is_the_torque_that_acts(run):

@@ -28,6 +28,8 @@ COGGING = Effect("position-periodic", {"amplitude": 0.15, "cycles": 14.0, "phase
 BIAS = Effect("torque-bias", {"bias": 0.15})
 DELAY = Effect("measurement-delay", {"delay": 0.012})
 WARMTH = {"level": 0.4, "viscous": 0.2, "rise": 20.0, "tau": 8.0, "scale": 15.0}
+# wide enough that a wave of the encoder is not a line
+WIDE = tuple(Motion("multisine", seed, 1.2, 3.0, 12.0) for seed in (3, 4, 5))
 # effects, as the plant has them, and numbers that the search must find, with a tolerance
 HIDDEN = [
     ((BIAS,), {"bias": (-0.15, 0.02)}),
@@ -115,9 +117,7 @@ def test_the_smallest_effect_that_is_stated_would_have_been_shown(tmp_path):
 
 def named_by_its_quantity(folder, effect, quantity, said):
     """An effect that the catalogue lacks: what it acts through is found, and nothing named."""
-    # wide enough that a wave of the encoder is not a line
-    motions = tuple(Motion("multisine", seed, 1.2, 3.0, 12.0) for seed in (3, 4, 5))
-    found = traced(folder, effect, law="integrated", motions=motions)
+    found = traced(folder, effect, law="integrated", motions=WIDE)
     assert found.findings == ()
     assert [variable for variable, _ in found.unexplained] == [quantity]
     (hint,) = found.hints
@@ -133,9 +133,8 @@ def test_what_has_no_name_is_told_by_the_quantity_it_acts_through(tmp_path):
 
 def test_an_effect_is_named_beside_a_larger_one_without_a_name(tmp_path):
     gust = Effect("gust", {"amplitude": 0.4, "frequency": 0.7, "phase": 1.0})
-    motions = tuple(Motion("multisine", seed, 1.2, 3.0, 12.0) for seed in (3, 4, 5))
     small = Effect("torque-bias", {"bias": 0.1})
-    found = traced(tmp_path, gust, small, motions=motions)
+    found = traced(tmp_path, gust, small, motions=WIDE)
     (step,) = found.findings
     assert "torque-bias" in (step.term.name, *step.ties)
     assert [variable for variable, _ in found.unexplained] == ["time"]

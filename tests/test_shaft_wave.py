@@ -22,12 +22,6 @@ ARM = """
 """
 
 
-@pytest.fixture(autouse=True)
-def _nothing_installed():
-    yield
-    mujoco.set_mjcb_passive(None)
-
-
 def spec(wave: bool = True) -> mujoco.MjSpec:
     """Friction in one joint, and a shaft of both."""
     made = mujoco.MjSpec.from_string(ARM)

@@ -1,5 +1,7 @@
 """MuJoCo 4.0's springs that yield work together with friction."""
 
+import contextlib
+
 import mujoco
 import numpy as np
 import pytest
@@ -30,14 +32,12 @@ def path(kind: str, joints: tuple[str, ...], torque: np.ndarray) -> np.ndarray:
         fj.install(spec, dict.fromkeys(joints, FRICTION))
     model = spec.compile()
     data = mujoco.MjData(model)
-    attached = fj.attach(model) if joints else None
     found = []
-    for each in torque:
-        data.qfrc_applied[0] = each
-        mujoco.mj_step(model, data)
-        found.append([data.qpos[0], data.plastic[0]])
-    if attached:
-        attached.detach()
+    with fj.attach(model) if joints else contextlib.nullcontext():
+        for each in torque:
+            data.qfrc_applied[0] = each
+            mujoco.mj_step(model, data)
+            found.append([data.qpos[0], data.plastic[0]])
     return np.array(found)
 
 

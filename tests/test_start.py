@@ -9,12 +9,9 @@ from plants.spec import Effect, Motion
 from trial_logs import PENDULUM
 
 from frictionjoint.effects import joint_elasticity
-from frictionjoint.effects.signals import N_SIGNALS, TIME, Q
 from frictionjoint.identify.intervals import stated_covariance
-from frictionjoint.identify.noise import Noise
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.segment import Segment
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.identify.starts import fit, law_alone
 from frictionjoint.identify.terms import EffectTerm
@@ -53,30 +50,6 @@ def test_a_log_that_begins_at_rest_under_load_is_no_longer_wrong_until_it_slides
     assert abs(held) > 0.2
     assert found.rms < 0.9 * from_zero.rms
     assert found.coefficient("Fc") == pytest.approx(FC, rel=0.02)
-
-
-def still(held: float) -> Segment:
-    """A joint that stands for a second."""
-    time = np.arange(200) * 0.005
-    signals = np.zeros((len(time), N_SIGNALS))
-    signals[:, TIME] = time
-    signals[:, Q] = 0.3
-    everything = np.ones(len(time), dtype=bool)
-    return Segment(
-        name="still",
-        dt=0.005,
-        bandwidth_hz=20.0,
-        step=1,
-        signals=signals,
-        drive=0.0 * time,
-        driven=everything,
-        mask=everything,
-        others={},
-        noise=Noise(0.0, np.zeros(2), np.zeros(2), 1.0, 0.0),
-        sample=0.005,
-        corner_hz=40.0,
-        held=held,
-    )
 
 
 RESONANCE, DAMPING = 6.0, 0.03

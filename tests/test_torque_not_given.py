@@ -21,13 +21,6 @@ LAWS = SimpleNamespace(starts=lambda shape: (shape,))
 @pytest.mark.parametrize("saturates", [True, False], ids=["saturates", "friction varies"])
 def test_what_the_torque_says_of_itself_is_no_torque_that_was_not_given(tmp_path, saturates):
     """A residual is a part of the measured torque: it grows with it whatever the model lacks."""
-    prepared = prepared_log(tmp_path, saturates)
-    base = fit(prepared)
-    found = library(prepared, base, make_blocks(prepared, base))
-    assert any(isinstance(c.term, ExcessTerm) for c in found) == saturates
-
-
-def prepared_log(tmp_path, saturates):
     rng = np.random.default_rng(11)
     side, wander = np.clip(V / 0.02, -1.0, 1.0), np.sin(2 * np.pi * 0.11 * T)
     torque = INERTIA * A + 0.5 * side
@@ -36,28 +29,22 @@ def prepared_log(tmp_path, saturates):
         asked = torque + np.sign(torque) * beyond * np.maximum(wander, 0.0)
     else:
         asked = torque + 0.4 * side * wander
-    return logged(tmp_path, asked + rng.normal(0.0, 0.005, len(T)))
-
-
-def with_noise(torque):
-    return torque + np.random.default_rng(5).normal(0.0, 0.005, len(T))
-
-
-def missing(prepared):
-    """Torque that acted beside what was logged at the end of the range, mean, N m, and the fit."""
-    shape = fit(prepared).shape
-    found = refit(prepared, (MissingTerm("torque"),), shape)
-    return -found.term_coefficients(0)[0], found
+    prepared = logged(tmp_path, asked + rng.normal(0.0, 0.005, len(T)))
+    base = fit(prepared)
+    found = library(prepared, base, make_blocks(prepared, base))
+    assert any(isinstance(c.term, ExcessTerm) for c in found) == saturates
 
 
 def test_a_sensor_at_the_end_of_its_range_is_told_and_left_out(tmp_path):
     """All of the torque acted; above a level the log holds that level."""
     acted = INERTIA * A + 0.5 * np.clip(V / 0.02, -1.0, 1.0)
-    prepared = logged(tmp_path, np.clip(with_noise(acted), -np.inf, LIMIT))
+    noise = np.random.default_rng(5).normal(0.0, 0.005, len(T))
+    prepared = logged(tmp_path, np.minimum(acted + noise, LIMIT))
     base = fit(prepared)
     terms = [c.term for c in library(prepared, base, make_blocks(prepared, base))]
     assert MissingTerm("torque") in terms
-    size, found = missing(prepared)
+    found = refit(prepared, (MissingTerm("torque"),), base.shape)
+    size = -found.term_coefficients(0)[0]
     assert size == pytest.approx(np.mean(acted[acted > LIMIT] - LIMIT), rel=0.2)
     state = SimpleNamespace(prepared=prepared, fit=found, laws=LAWS)
     _without_unnamed(state, lambda logs, fitted: None)
@@ -65,10 +52,8 @@ def test_a_sensor_at_the_end_of_its_range_is_told_and_left_out(tmp_path):
     assert state.fit.coefficient("Fc") == pytest.approx(0.5, rel=0.02)
     assert state.fit.rms < 0.2 * base.rms
     # logs held out are prepared as those that were fitted
-    for log in (
-        state.prepared,
-        logged(tmp_path, np.clip(acted, -5.0, LIMIT), Q, state.prepared.band),
-    ):
+    held_out = logged(tmp_path, np.clip(acted, -5.0, LIMIT), Q, state.prepared.band)
+    for log in (state.prepared, held_out):
         (segment,) = log.segments
         cut = segment.saturated > 0.0
         assert 0.02 < cut.mean() < 0.4

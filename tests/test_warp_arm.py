@@ -3,13 +3,12 @@
 The worlds of a test have their own parameters, so that one run serves many arms.
 """
 
-import itertools
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
-from acting import ARM, LAW, STEP, acting, arm, ctrl, name, natively, torques
+from acting import ARM, LAW, acting, arm, ctrl, name, natively, torques
 
 import frictionjoint as fj
 from frictionjoint.effects import backlash, joint_elasticity, measurement_delay
@@ -18,62 +17,19 @@ from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.simulate.carrier import read_friction
+from tests.seven_links import FS, POSTURE, STEP, free_inertias, stiff_arm
 
 mjw = pytest.importorskip("mujoco_warp")
 wp = pytest.importorskip("warp")
 from frictionjoint.simulate.warp import attach_warp  # noqa: E402
 
 EPS = 2.0**-24  # half a unit in the last place of a single float, relative
-POSTURE = np.linspace(0.0, 0.6, 7)
-FS = 10.0
-LINKS = "".join(
-    f'<body pos="0 0 {0.2 * bool(i)}"><joint name="j{i}" armature="0.005" '
-    f'axis="{("0 0 1", "0 1 0", "1 0 0")[i % 3]}"/><geom type="capsule" mass="1.5" '
-    'fromto="0 0 0 0 0 0.2" size="0.03" contype="0" conaffinity="0"/>'
-    for i in range(7)
-)
-SEVEN = (
-    f'<mujoco><option timestep="{STEP}" gravity="0 0 0"/><worldbody>{LINKS}{"</body>" * 7}'
-    # a tree of its own, in the same world
-    '<body pos="1 0 0"><joint name="alone" axis="0 1 0"/><geom size="0.05" mass="2"/></body>'
-    "</worldbody></mujoco>"
-)
 # what adds a torque
 COLUMNS = [e for e in torques() if e.coefficients]
 
 
-def stiff(ratio: float, J: float) -> fj.FrictionParameters:
-    """Presliding with h sqrt(K/J) as given."""
-    z = FS / ((ratio / STEP) ** 2 * J)
-    return fj.FrictionParameters.symmetric(
-        Fs=FS, Fc=7.0, Vs=0.05, sigma2=0.1, n=4.0, knots=((z, FS), (4 * z, 20.0), (10 * z, 22.0))
-    )
-
-
-def free_inertias() -> np.ndarray:
-    """What a pull at each joint of the arm of seven, and at the one alone, has to move."""
-    model = mujoco.MjModel.from_xml_string(SEVEN)
-    data = mujoco.MjData(model)
-    data.qpos[:7] = POSTURE
-    mujoco.mj_forward(model, data)
-    W = np.zeros((8, 8))
-    mujoco.mj_solveM(model, data, W, np.eye(8))
-    return 1.0 / np.diag(W)
-
-
 def held_load(k: int) -> np.ndarray:
     return np.float32(0.5 * FS * min(1.0, k / 300) * (-1.0) ** np.arange(8))
-
-
-def stiff_arm(*ratios: float) -> mujoco.MjModel:
-    """Joints with these h sqrt(K/J) in turn."""
-    spec = mujoco.MjSpec.from_string(SEVEN)
-    names = [*(f"j{i}" for i in range(7)), "alone"]
-    laws = [
-        stiff(ratio, J) for ratio, J in zip(itertools.cycle(ratios), free_inertias(), strict=False)
-    ]
-    fj.install(spec, dict(zip(names, laws, strict=True)))
-    return spec.compile()
 
 
 @pytest.fixture(scope="module")
@@ -86,11 +42,10 @@ def held():
     ratios, steps = ((1.0,), (3.0,), (8.0,), (8.0,), (3.0, 0.3)), 700
     models = [stiff_arm(*own) for own in ratios]
     m, d = mjw.put_model(models[0]), mjw.make_data(models[0], nworld=5)
-    start = np.append(POSTURE, 0.0)
-    d.qpos.assign(np.tile(start, (5, 1)))
+    d.qpos.assign(np.tile(POSTURE, (5, 1)))
     datas = [mujoco.MjData(model) for model in models]
     for data in datas:
-        data.qpos[:] = start
+        data.qpos[:] = POSTURE
     here, there = [], []
     with attach_warp(m, d, models[0]) as friction:
         for joint in friction.joints:
@@ -121,7 +76,7 @@ def test_coupled_stiff_joints_are_held(held):
     # single floats: a torque rounded by EPS moves a joint by h/J times that in a step
     trembles = EPS * 0.5 * FS * STEP / free_inertias().min()
     assert np.all(rms[1:4] < trembles)
-    assert np.ptp(here[late, 1:4, :8], axis=0).max() < EPS * POSTURE[-1]
+    assert np.ptp(here[late, 1:4, :8], axis=0).max() < EPS * POSTURE.max()
     # at h sqrt(K/J) = 1 the arm still swings in, natively too
     quiet = np.sqrt(np.mean(there[late, 0, 8:] ** 2))
     assert rms[0] == pytest.approx(quiet, rel=0.05)
@@ -132,7 +87,7 @@ def test_coupled_stiff_joints_move_as_natively(held):
     moved = np.abs(there - there[0])[:, :, :8]
     assert moved.max() > 1e-3
     # what a float position shows of friction's own, see `warp_kernel`; one joint moves the others
-    shown = EPS * POSTURE[-1] / 0.01
+    shown = EPS * POSTURE.max() / 0.01
     assert np.abs(here - there)[:, :, :7].max() < shown
     assert np.abs(here - there)[:, :, 7].max() < 1e-7  # at zero a float is fine, in its own tree
 

@@ -111,6 +111,13 @@ def wrong(*says: str, log: Table | str | None = None, **more: Any) -> Wrong:
 
 
 ROWS = text_of(table()).splitlines()
+
+
+def with_row(text: str) -> str:
+    """The log with another row 9."""
+    return "\n".join([*ROWS[:8], text, *ROWS[9:]])
+
+
 CASES = {
     # signs
     "position reversed": wrong("wrong sign of position or torque", log=scaled(position_rad=-1.0)),
@@ -205,20 +212,15 @@ CASES = {
     "a signal that is not there": wrong("no column 'n' for --signal", options=("--signal", "n"),
                                         python=None),
     "a signal that is used": wrong("omit it", options=("--signal", "torque_nm"), python=None),
-    "NaN": wrong("row 9, position_rad", "NaN", log="\n".join(
-        [*ROWS[:8], "0.014,nan,1", *ROWS[9:]])),
-    "a word": wrong("row 9, torque_nm", "'off'", log="\n".join(
-        [*ROWS[:8], "0.014,0.1,off", *ROWS[9:]])),
-    "an empty cell": wrong("row 9, position_rad", "empty", log="\n".join(
-        [*ROWS[:8], "0.014,,1", *ROWS[9:]])),
-    "an infinite number": wrong("row 9, torque_nm", "inf", log="\n".join(
-        [*ROWS[:8], "0.014,0.1,inf", *ROWS[9:]])),
+    "NaN": wrong("row 9, position_rad", "NaN", log=with_row("0.014,nan,1")),
+    "a word": wrong("row 9, torque_nm", "'off'", log=with_row("0.014,0.1,off")),
+    "an empty cell": wrong("row 9, position_rad", "empty", log=with_row("0.014,,1")),
+    "an infinite number": wrong("row 9, torque_nm", "inf", log=with_row("0.014,0.1,inf")),
     "a column twice": wrong("'position_rad' appears twice", log="\n".join(
         ["time_s,position_rad,position_rad,torque_nm", *(f"{row},1" for row in ROWS[1:])])),
     "a force of a hinge": wrong("force_n and position_rad exclude each other",
                                 log=with_column("force_n", noise())),
-    "a row cut short": wrong("row 9: 2 cells", log="\n".join(
-        [*ROWS[:8], "0.014,0.1", *ROWS[9:]])),
+    "a row cut short": wrong("row 9: 2 cells", log=with_row("0.014,0.1")),
     "an empty file": wrong("empty", "header", log=""),
     "one sample": wrong("1 samples", "at least 50", log="\n".join(ROWS[:2])),
     # what goes with what
@@ -326,13 +328,8 @@ def test_an_output_that_cannot_be_written_is_told_first(
     assert says in line_of(command, "log0.csv", *model, "--out", out, cwd=tmp_path)
 
 
-LOG = JointLog(
-    name="log",
-    joint="elbow",
-    time=table()["time_s"],
-    position=table()["position_rad"],
-    torque=table()["torque_nm"],
-)
+TIME, POSITION, TORQUE = table().values()
+LOG = JointLog(name="log", joint="elbow", time=TIME, position=POSITION, torque=TORQUE)
 
 
 @pytest.mark.parametrize(
@@ -343,7 +340,10 @@ LOG = JointLog(
         (({"a": LOG}, PENDULUM, "elbow"), "logs is of type dict"),
         ((None, PENDULUM, "elbow"), "logs is of type NoneType"),
         (([table()], PENDULUM, "elbow"), "logs is of type dict: a log is a path or a JointLog"),
-        (([LOG], mujoco.MjModel.from_xml_string(PENDULUM), "elbow"), "model is of type MjModel"),
+        (
+            ([LOG], mujoco.MjModel.from_xml_string(PENDULUM), "elbow"),
+            "model is of type MjModel: give the path of an MJCF, or its text",
+        ),
         (([LOG], mujoco.MjSpec.from_string(PENDULUM), "elbow"), "model is of type MjSpec"),
         (([LOG], PENDULUM, 0), "joint is of type int"),
         (([LOG], PENDULUM, "elbow", "held.csv"), "held_out is one log"),
@@ -357,6 +357,7 @@ def test_a_wrong_type_in_python_is_told_with_its_mend(
     with pytest.raises(TypeError) as caught:
         fj.close_loop(*arguments)
     assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_other_public_functions_name_wrong_types_too() -> None:
@@ -377,6 +378,8 @@ def test_a_log_made_in_python_is_in_seconds_too() -> None:
         FrictionJointError, match=r"2 s between samples is too slow.*--unit time=ms"
     ):
         fj.close_loop([replace(LOG, time=1e3 * LOG.time)], PENDULUM, "elbow")
+    with pytest.raises(FrictionJointError, match="no log to fit"):
+        fj.close_loop([], PENDULUM, "elbow")
 
 
 def test_a_joint_seen_in_few_positions_stands_still() -> None:
@@ -385,11 +388,6 @@ def test_a_joint_seen_in_few_positions_stands_still() -> None:
     log = JointLog(name="a", joint="elbow", time=time, position=position, torque=np.sin(5.0 * time))
     with pytest.raises(FrictionJointError, match="elbow: only 13 different positions"):
         fj.close_loop([log], PENDULUM, "elbow")
-
-
-def test_no_log_is_not_enough() -> None:
-    with pytest.raises(FrictionJointError, match="no log to fit"):
-        fj.close_loop([], PENDULUM, "elbow")
 
 
 def test_a_coefficient_on_its_bound_is_on_it() -> None:

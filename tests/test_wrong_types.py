@@ -54,11 +54,6 @@ ENVIRONMENT = SimpleNamespace(unwrapped=SimpleNamespace(model=MODEL))
         (lambda: fj.friction_torque(FRICTION, [0], {}), "position is no array of numbers"),
         (lambda: fj.FrictionParameters.from_dict("j.toml"), "read_parameters"),
         (lambda: fj.FrictionParameters.from_dict(toml_text(FRICTION)), "read_parameters"),
-        (lambda: fj.close_loop("a.csv", "arm.xml", "j"), "logs is one log: give a list"),
-        (
-            lambda: fj.close_loop(["a.csv"], MODEL, "j"),
-            "model is of type MjModel: give the path of an MJCF, or its text",
-        ),
     ],
 )
 def test_wrong_types_name_the_mend(act, words):
