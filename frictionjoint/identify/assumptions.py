@@ -17,6 +17,9 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import IntegratedShape
 from frictionjoint.identify.terms import EffectTerm
 
+# of a simulation, s
+_TIME_STEP = 1e-3
+
 
 def with_assumptions(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
     """The same logs and fit with assumptions about what the logs do not determine.
@@ -84,16 +87,19 @@ def with_steep_start(prepared: Prepared, fitted: Fit) -> Fit:
     The first segment of a transition curve is elastic, so that smaller oscillations are damped by
     sigma1 and viscous friction alone. In real contacts every displacement dissipates (Al-Bender,
     Lampaert and Swevers 2005). The steep part, half a percent of breakaway friction, makes
-    displacements beyond its end dissipate; within it, MuJoCo's time step damps the joint.
+    displacements beyond its end dissipate; within it, MuJoCo's time step damps the joint. So it
+    does within a curve of a high assumed stiffness, which needs no steeper beginning.
     """
     shape = fitted.shape
     if not isinstance(shape, IntegratedShape) or not fitted.has_level:
         return fitted
     _, viscosity = fitted.levels
+    stiffness = law_parameters(fitted).stiffness
+    damping = fitted.coefficient("sigma1") + viscosity
+    damping += stiffness * _TIME_STEP * shape.stiffness_assumed
     inertia = max(s.inertia for s in prepared.segments)
-    critical = 2.0 * math.sqrt(law_parameters(fitted).stiffness * inertia)
     # with a tenth of the critical damping it comes to rest within a few periods
-    if fitted.coefficient("sigma1") + viscosity >= 0.1 * critical:
+    if damping >= 0.1 * 2.0 * math.sqrt(stiffness * inertia):
         return fitted
     # a search could end in another minimum, where friction is viscous instead
     search = Search(prepared, fitted.terms, replace(shape, steep_start=True))
