@@ -38,10 +38,6 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     The size is that of its best determined coefficient. For an effect without coefficients it is
     that of its shape numbers, each of which has a value that changes nothing, see `Effect.none`.
 
-    A slow effect is as good as linear in time, temperature or warmth over a log: then its shape
-    numbers and its coefficients may all grow in proportion, and only their ratio has a size. So the
-    coefficients are those at the shape found.
-
     Args:
         cov: of all parameters of the fit, in the order of its Jacobian.
     """
@@ -49,8 +45,6 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     at = layout.coefficients(i)
     if at.stop > at.start and not term.effect.of_load:
         x = np.asarray(fitted.beta[at])
-        if term.effect.slow:
-            cov = _at_shape(cov, at, layout.numbers(i))
     else:
         x, at = np.array(term.free_shape), layout.numbers(i)
         if term.effect.none:
@@ -60,19 +54,6 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     with np.errstate(divide="ignore", invalid="ignore"):
         sure = np.abs(x) / _errors(cov, at)
     return float(np.max(np.where(np.isnan(sure), np.inf, sure)))
-
-
-def _at_shape(cov: Array, at: slice, numbers: slice) -> Array:
-    """A covariance in which that of some coefficients is the one for known shape numbers."""
-    variance = np.diag(cov)
-    open_numbers = [k for k in range(numbers.start, numbers.stop) if 0.0 < variance[k] < np.inf]
-    if not open_numbers or not np.all(np.isfinite(variance[at])):
-        return cov
-    both = cov[np.ix_(open_numbers, open_numbers)]
-    across = cov[at, open_numbers]
-    given = cov.copy()
-    given[at, at] -= across @ np.linalg.solve(both, across.T)
-    return given
 
 
 def _errors(cov: Array, at: slice) -> Array:
