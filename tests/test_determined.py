@@ -9,7 +9,6 @@ from frictionjoint.diagnose.determined import standard_errors, undetermined
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.command_delay import EFFECT as COMMAND_DELAY
 from frictionjoint.effects.gain_error import EFFECT as GAIN_ERROR
-from frictionjoint.effects.warm_up_drift import BY_LOSS
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
@@ -38,17 +37,6 @@ def test_of_several_effects_the_one_with_no_size_is_told(prepared):
 def test_an_effect_that_is_there_is_determined(prepared):
     assert not undetermined(prepared, fit(prepared, (SPRING,)))
     assert not undetermined(prepared, fit(prepared))
-
-
-def test_a_slow_effect_whose_scale_the_logs_leave_open_has_a_size():
-    """As good as linear, its coefficient and its scale may both be a hundred times as large."""
-    term = EffectTerm(BY_LOSS, (20.0, 80.0))
-    layout = SimpleNamespace(coefficients=lambda i: slice(0, 2), numbers=lambda i: slice(2, 4))
-    fitted = SimpleNamespace(terms=(term,), layout=layout, beta=np.array([0.0, 1.2]))
-    own, shared = np.array([0.02, 0.02, 0.5, 0.8]), np.array([0.0, 15.0, 0.0, 1000.0])
-    cov = np.diag(own**2) + np.outer(shared, shared)
-    expected = 1.2 / np.hypot(0.02, 0.8 * 15.0 / 1000.0)
-    assert standard_errors(fitted, cov, 0) == pytest.approx(expected, rel=1e-3)
 
 
 @pytest.mark.parametrize(
