@@ -26,9 +26,9 @@ BELIEVED = MODEL.format(RANGE.format(-LIMIT, LIMIT))
 TRUE = MODEL.format(RANGE.format(-LIMIT, LIMIT) + f' damping="0.2" frictionloss="{LOSS}"')
 
 
-def pressed(seed: int) -> JointLog:
+def pressed(seed: int, true: str = TRUE) -> JointLog:
     """The joint led along sines that go beyond its range, its torque logged."""
-    return driven(seed, 0.02, TRUE, 10.0, (0.5, 0.2, 0.08), (0.35, 1.3, 3.1), (25.0, 0.8))
+    return driven(seed, 0.02, true, 10.0, (0.5, 0.2, 0.08), (0.35, 1.3, 3.1), (25.0, 0.8))
 
 
 def swinging(reach: float) -> JointLog:
