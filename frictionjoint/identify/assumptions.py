@@ -72,8 +72,9 @@ def with_assumed_stiffness(prepared: Prepared, fitted: Fit) -> Fit:
         return fitted
     assert isinstance(fitted.shape, IntegratedShape)
     own = min(reach, fitted.shape.length)
-    for part in (1.0, 0.1, 0.01, 0.0):
-        shape = fitted.shape.with_assumed_stiffness(max(part * reach, own))
+    # several of these are equal where the length of the fit is near the reach
+    for length in dict.fromkeys(max(part * reach, own) for part in (1.0, 0.1, 0.01, 0.0)):
+        shape = fitted.shape.with_assumed_stiffness(length)
         found = refit(prepared, fitted.effects, shape, ROUGH)
         if _allowed(found, fitted):
             return found

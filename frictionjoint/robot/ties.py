@@ -27,9 +27,9 @@ def restated(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
     kept = []
     for i, choice in enumerate(settled.choices):
         wanted = frozenset(choice.evidence.ties) - there
-        ties = dict.fromkeys(_renamed(settled, left, i, causes))
+        own, rest = found.causes[i], settled.corrected(found.without(i))
+        ties = dict.fromkeys(_renamed(rest, own, causes, left))
         if wanted:
-            own, rest = found.causes[i], settled.corrected(found.without(i))
             rivals = [c for c in causes if c.label in wanted and c.changed != own.changed]
             named, common = (single_effects | wanted).__contains__, joints[0].common_effects
             seen = screen(
@@ -40,10 +40,9 @@ def restated(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
     return tuple(kept)
 
 
-def _renamed(settled: Settled, left: Array, i: int, causes: Sequence[Cause]) -> Iterator[str]:
-    """Other causes that change the same body, whose residual is as small as `left`, the model's,
-    with no more numbers."""
-    own, rest = settled.found.causes[i], settled.corrected(settled.found.without(i))
+def _renamed(rest: Settled, own: Cause, causes: Sequence[Cause], left: Array) -> Iterator[str]:
+    """Other causes that change the same body as the model's `own`, with no more numbers, whose
+    residual is as small as `left`, the model's; `rest` is the model without its own."""
     for c in causes:
         other = c.changed == own.changed and c.label != own.label
         if other and len(c.start) <= len(own.start):
