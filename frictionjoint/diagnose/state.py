@@ -73,6 +73,7 @@ class State:
     law_errs: bool = True
     unnamed: tuple[Array, ...] = ()
     left_out: dict[str, str] = field(default_factory=dict, repr=False)
+    excluded: set[str] = field(default_factory=set, repr=False)
     _known: _Model | None = field(default=None, repr=False)
 
     @property
@@ -94,7 +95,7 @@ class State:
     @property
     def candidates(self) -> list[Candidate]:
         """Effects that the present model may lack."""
-        return self._model.candidates
+        return [c for c in self._model.candidates if c.term.name not in self.excluded]
 
     @property
     def refused(self) -> set[Kind]:

@@ -33,6 +33,7 @@ from frictionjoint.diagnose.state import (
     compared,
     is_small,
     numbers_of,
+    with_fewer,
 )
 from frictionjoint.identify.base_fit import base_fit, slowed
 from frictionjoint.identify.fit import Fit
@@ -75,6 +76,28 @@ def trace(
     laws = OtherLaws(prepared, alone, progress)
     state = State(prepared, alone, [], Look((), np.zeros(0), 0.0), laws)
     _follow(state)
+    while True:
+        _search(state, rng, progress)
+        # what it holds is open until it is finished
+        ended = replace(state, left_out={})
+        found = finish_search(ended, (prepared, alone), replayed, by_motion, rng)
+        if not ended.left_out:
+            return found
+        # an effect that is no cause may have stood for one that was not looked for beside it
+        state.excluded |= ended.left_out.keys()
+        stays = tuple(t for t in state.fit.effects if t.name not in state.excluded)
+        if stays == state.fit.effects:
+            return found
+        state.prepared, state.fit = reweighed(state.prepared, with_fewer(state, stays))
+        state.forget_dropped()
+        _follow(state)
+
+
+def _search(
+    state: State, rng: np.random.Generator, progress: Callable[[str], None]
+) -> None:
+    """Change the model until no change is justified."""
+    laws = state.laws
     bent = False
     known = {_names(state)}
     for change in range(1, MOST_CHANGES + 1):
@@ -98,7 +121,6 @@ def trace(
         if not changed or (_names(state) != before and _names(state) in known):
             break  # effects that come back would do so without end
         known.add(_names(state))
-    return finish_search(state, (prepared, alone), replayed, by_motion, rng)
 
 
 def _names(state: State) -> tuple[str, ...]:
