@@ -43,7 +43,6 @@ def finish_search(
     Args:
         alone: fit of the law alone, and the logs with its weights.
     """
-    added = {t.name for t in named_of(state.fit.effects)}
     unexplained: dict[str, float] = {}
     hints: list[str] = []
     causes: dict[str, str] = {}
@@ -84,10 +83,11 @@ def finish_search(
         state.prepared, state.fit = with_assumptions(state.prepared, state.fit)
     else:
         state.prepared, state.fit = prepared, base
-    if added and not findings:
+    left_out = state.excluded | state.left_out
+    if left_out and not findings:
         # the last step looked for what the model lacks besides the effects that it had
         state.look, _ = look(state.fit, state.blocks, state.candidates, rng)
-        hints += [_left_out(state, name) for name in sorted(added)]
+        hints += [_says_left_out(*pair) for pair in sorted(left_out.items())]
     return Trace(
         prepared=state.prepared,
         base=base,
@@ -126,8 +126,7 @@ def _settled(
     return restated(state, rng)
 
 
-def _left_out(state: State, name: str) -> str:
-    why = state.left_out.get(name, "the model predicts as much without it")
+def _says_left_out(name: str, why: str) -> str:
     return f"The search added {title(name)} and left it out in the end: {why}."
 
 

@@ -29,7 +29,15 @@ from frictionjoint.diagnose.look_without import look_without
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked
 from frictionjoint.diagnose.possible import exceeding_friction
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
+from frictionjoint.diagnose.state import (
+    State,
+    apart,
+    as_much,
+    needed,
+    numbers_of,
+    with_fewer,
+    without,
+)
 from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.terms import Term
@@ -58,7 +66,8 @@ def _leave_out_undetermined(state: State) -> list[Term]:
     One without which held-out prediction gets worse stays in the model, and the report says that
     its size is open: several such effects carry the evidence together, or the law could replace it
     only where its own numbers end. But where the logs determine no effect, one with an error above
-    its size may be anything, such as the law's own error in another form.
+    its size may be the law's own error in another form, unless it takes half of what is left
+    without it: a slow change is certain long before its end and its rate are known.
 
     Returns:
         those that stay.
@@ -68,11 +77,12 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         blocks = state.blocks
         now = scored(state.fit, blocks)
         fits = {term: without(state, term) for term in unsure}
-        idle = [f for f in fits.values() if not needed(now, scored(f, blocks))]
+        scores = {term: scored(f, blocks) for term, f in fits.items()}
+        idle = [fits[term] for term, its in scores.items() if not needed(now, its)]
         least = min(unsure, key=lambda term: unsure[term])
-        # a size beyond all friction is none, whatever the model has besides
         open_size = unsure[least] >= 1.0 or len(unsure) < len(state.fit.effects)
-        if not idle and unsure[least] > 0.0 and open_size:
+        # a size beyond all friction is none, whatever the model has besides
+        if not idle and unsure[least] > 0.0 and (open_size or apart(now, scores[least])):
             break
         fewer = best_of(idle, lambda f: f.drive_rms) if idle else fits[least]
         gone = next(term for term, f in fits.items() if f is fewer)

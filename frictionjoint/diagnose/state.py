@@ -10,7 +10,7 @@ from frictionjoint.decisions import APART, LEAST_MOVED, LEAST_MOVED_OF_DRIVE, SM
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.library import library
-from frictionjoint.diagnose.moves import Kind, Look
+from frictionjoint.diagnose.moves import Kind, Look, Move
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.blocks import Blocks, make_blocks
@@ -62,7 +62,8 @@ class State:
         unnamed: torque of dependences without a name that were removed from the model, N m, shape
             (n, 1) each, at the samples of the logs. The score excludes these directions, because
             what is known to be missing is no evidence against the effects that are named.
-        left_out: by name, why an effect was removed from the model.
+        left_out: by name, why an effect was removed from the model. excluded: the same of effects
+            that were removed from a finished model, and are not added again.
     """
 
     prepared: Prepared
@@ -73,7 +74,7 @@ class State:
     law_errs: bool = True
     unnamed: tuple[Array, ...] = ()
     left_out: dict[str, str] = field(default_factory=dict, repr=False)
-    excluded: set[str] = field(default_factory=set, repr=False)
+    excluded: dict[str, str] = field(default_factory=dict, repr=False)
     _known: _Model | None = field(default=None, repr=False)
 
     @property
@@ -95,12 +96,16 @@ class State:
     @property
     def candidates(self) -> list[Candidate]:
         """Effects that the present model may lack."""
-        return [c for c in self._model.candidates if c.term.name not in self.excluded]
+        return self._model.candidates
 
-    @property
-    def refused(self) -> set[Kind]:
-        """Changes of the present model that were taken back."""
-        return self._model.refused
+    def refuse(self, move: Move) -> None:
+        """Do not try a change of the present model again."""
+        self._model.refused.add(move.kind)
+
+    def refuses(self, move: Move) -> bool:
+        """Whether a change was taken back, or adds an effect that a finished model did without."""
+        again = any(c.term.name in self.excluded for c in move.added)
+        return again or move.kind in self._model.refused
 
     def under(self, prepared: Prepared) -> Fit:
         """The model refitted to its logs with other weights, including its time offsets."""

@@ -81,21 +81,17 @@ def trace(
         # what it holds is open until it is finished
         ended = replace(state, left_out={})
         found = finish_search(ended, (prepared, alone), replayed, by_motion, rng)
-        if not ended.left_out:
+        if ended.left_out.keys() <= state.excluded.keys():
             return found
         # an effect that is no cause may have stood for one that was not looked for beside it
-        state.excluded |= ended.left_out.keys()
+        state.excluded |= ended.left_out
         stays = tuple(t for t in state.fit.effects if t.name not in state.excluded)
-        if stays == state.fit.effects:
-            return found
         state.prepared, state.fit = reweighed(state.prepared, with_fewer(state, stays))
         state.forget_dropped()
         _follow(state)
 
 
-def _search(
-    state: State, rng: np.random.Generator, progress: Callable[[str], None]
-) -> None:
+def _search(state: State, rng: np.random.Generator, progress: Callable[[str], None]) -> None:
     """Change the model until no change is justified."""
     laws = state.laws
     bent = False
@@ -219,7 +215,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     """The best of these candidates, if it is justified."""
     if not candidates:
         return []
-    prepared, current, blocks, refused = state.prepared, state.fit, state.blocks, state.refused
+    prepared, current, blocks = state.prepared, state.fit, state.blocks
     seen, screened = look(current, blocks, candidates, rng)
     state.look = seen
     now = scored(current, blocks)
@@ -231,7 +227,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     worth = [
         m
         for m in Moves(current, seen, screened, candidates).best()
-        if m.kind not in refused and beyond_chance(m) and promises(m)
+        if beyond_chance(m) and promises(m) and not state.refuses(m)
     ]
     with side_by_side() as each:
         tried = list(each(attempt, worth))
@@ -253,7 +249,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
             weigh_others(state)
             return names
         # nothing of it was needed once it was in, or with another law: the next best
-        refused.add(choice.taken.move.kind)
+        state.refuse(choice.taken.move)
         tried = [t for t in tried if t is not choice.taken]
         choice = chosen(now, tried)
     return []
@@ -329,7 +325,7 @@ def _looked_at_again(
         return own, scored(found, blocks)
 
     unbiased = replace(state, prepared=prepared, fit=first)
-    instead = [m for m in named_instead(unbiased, best.move, rng) if m.kind not in state.refused]
+    instead = [m for m in named_instead(unbiased, best.move, rng) if not state.refuses(m)]
     moves = [*(t.move for t in leaders), *instead]
     models = [state.fit.effects, *(t.score.fit.effects for t in leaders)]
     models += [m.terms for m in instead]

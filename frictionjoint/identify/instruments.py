@@ -40,8 +40,8 @@ class ExcessTerm(TunedTerm):
         q = [s.signals[s.mask, Q] for s in segments]
         whole = np.concatenate(q)
         low, high = whole.min(), whole.max()
-        # a joint presses against a hard end within 2% of its range; this may account for half of the
-        # excess. A softer end yields as an end stop does, and a saturated drive does not.
+        # a joint presses against a hard end within 2% of its range; this may account for half of
+        # the excess. A softer end yields as an end stop does, and a saturated drive does not.
         end = 0.02 * (high - low)
         for s, x in zip(segments, q, strict=True):
             excess = self.columns(s, s.signals)[s.mask, 0]
