@@ -150,7 +150,7 @@ def _best_of_each_form(
         starts = [
             place
             for i, (term, place) in enumerate(places)
-            if sum(other.effect == term.effect for other, _ in places[:i]) < 2
+            if sum(other.effect == term.effect for other, _ in places[:i]) < 1
         ]
         fits = list(each(attempt, starts))
     best: dict[Effect, Ranked] = {}
