@@ -27,6 +27,7 @@ Division by zero gives infinity or NaN, as in C; Python raises an error there.
 import ctypes
 import functools
 import inspect
+import linecache
 import os
 import types
 from collections.abc import Callable
@@ -76,6 +77,14 @@ def c_text(text: str) -> Callable[[_Function], _Function]:
         return function
 
     return marked
+
+
+def define(text: str, name: str, space: dict[str, Any]) -> None:
+    """Run generated Python text in a namespace; `name`: what tracebacks call the text."""
+    file = f"<{name}>"
+    # debuggers and the translation read the source from this cache
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    exec(compile(text, file, "exec"), space)
 
 
 class Table:

@@ -112,7 +112,7 @@ class KernelShape(Shape):
     def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
         """See `Shape`."""
         P = self._unit_block
-        return driven_with_tangents(self.law.law, P, self.block_tangents(P), time, q, edges)
+        return driven_with_tangents(P, self.block_tangents(P), time, q, edges)
 
 
 _END = "log end"

@@ -6,13 +6,12 @@ version that could differ. All real numbers are doubles.
 """
 
 import ast
-import linecache
 import math
 import textwrap
 from collections.abc import Iterable
 from typing import Any
 
-from frictionjoint.compiled import elements, is_tuple, room
+from frictionjoint.compiled import define, elements, is_tuple, room
 from frictionjoint.translate.kernel import Kernel, built_in, is_kernel, signature
 from frictionjoint.translate.kinds import DOUBLE, WHOLE
 from frictionjoint.translate.simple_statements import names_in, stored_in
@@ -57,13 +56,10 @@ def translate(functions: Iterable[Any], size: int, name: str) -> dict[str, Any]:
     Raises:
         ModelError: a construct that cannot be translated.
     """
-    text = source(functions, size)
-    file = f"<{name}: made from the kernels>"
-    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     import warp as wp
 
     namespace: dict[str, Any] = {"wp": wp, "Any": Any, "__name__": name}
-    exec(compile(text, file, "exec"), namespace)
+    define(source(functions, size), f"{name}: made from the kernels", namespace)
     return namespace
 
 

@@ -160,7 +160,7 @@ def along_logs(rng: np.random.Generator) -> None:
         H_, rate = np.empty(SAMPLES), np.empty(SAMPLES)
         drive_motions(P, t, q, edges, H_, rate)
         P_t = rng.normal(size=(7, len(P)))
-        driven_with_tangents(law.law, P, P_t, t, q, edges)
+        driven_with_tangents(P, P_t, t, q, edges)
     rows = signals_of(rng, t, q)
     for effect in CATALOGUE:
         shapes = effect.shapes(rows) if effect.shape and effect.shapes else [()]

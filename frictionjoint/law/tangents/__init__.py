@@ -2,10 +2,8 @@
 
 ``along``          evaluates a law along a given motion, with its derivatives
 ``direction``      tangents: derivatives in several directions at once
-``kernels``        the laws' kernels with tangents
-``drive``          source of the kernels that evaluate a law along a motion
 ``rules``          hand-written derivatives, where the source of a kernel does not show them
-``generate``       source of all other kernels with tangents
+``generate``       the laws' steps with tangents, as source and as functions
 ``differentiate``  derives one kernel with tangents from its source
 ``activity``       which numbers of a kernel have a tangent
 ``particulars``    facts that the source of a kernel does not state

@@ -2,14 +2,79 @@
 
 import numpy as np
 
-from frictionjoint.arrays import Array, Index
-from frictionjoint.law.kernel import row_size
-from frictionjoint.law.tangents import kernels
-from frictionjoint.law.tangents.direction import DIRECTIONS
+from frictionjoint.arrays import Array, Index, Vector
+from frictionjoint.compiled import PLAIN, compiled
+from frictionjoint.law import bristle, memory
+from frictionjoint.law import kernel as laws
+from frictionjoint.law.memory import FH
+from frictionjoint.law.tangents.direction import DIRECTIONS, ZERO, Tangents, put
+
+if PLAIN:
+    from frictionjoint.law.tangents.generate import steps
+else:
+    steps = None  # the compiled library has them
+
+
+@compiled
+def _step(P: Vector, P_t: Tangents, X: Vector, X_t: Tangents, dq: float, dt: float) -> None:
+    """Step of the law with the number P[0] from the state X, which becomes that after the step."""
+    v = dq / dt
+    if P[0] == laws.INTEGRATED:
+        steps.integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dt, v)
+        steps.memory_make_room(X, X_t, 0, memory.HEADER)
+    elif P[0] == laws.STATIC:
+        steps.static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
+    elif P[0] == laws.ARMSTRONG:
+        steps.armstrong_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
+    elif P[0] == laws.DAHL:
+        steps.dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
+    elif P[0] == laws.DAHL_STRIBECK:
+        steps.dahl_stribeck_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
+    elif P[0] == laws.LUGRE:
+        steps.lugre_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
+    elif P[0] == laws.ELASTOPLASTIC:
+        steps.elastoplastic_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
+    else:
+        steps.maxwell_slip_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
+
+
+@compiled
+def _drive(
+    P: Vector,
+    P_t: Tangents,
+    time: Vector,
+    position: Vector,
+    edges: Index,
+    H: Vector,
+    H_t: Array,
+    rate: Vector,
+    rate_t: Array,
+    X: Vector,
+    X_t: Tangents,
+) -> None:
+    """`motion.drive_motions` with the tangents of H and of `rate`; X, X_t: room for the state."""
+    slip = memory.RATE if P[0] == laws.INTEGRATED else bristle.RATE
+    for j in range(len(edges) - 1):
+        first = edges[j]
+        for i in range(len(X)):
+            put(X_t, i, ZERO)
+        if P[0] == laws.INTEGRATED:
+            steps.integrated_start(P, P_t, 1, X, X_t, 0, memory.HEADER)
+        else:
+            laws.start_row(P, 0, X, 0)
+        H[first], rate[first] = 0.0, X[slip]
+        for i in range(len(H_t)):
+            H_t[i, first], rate_t[i, first] = 0.0, 0.0
+        for k in range(first + 1, edges[j + 1]):
+            dq = position[k] - position[k - 1]
+            _step(P, P_t, X, X_t, dq, time[k] - time[k - 1])
+            H[k], rate[k] = X[FH], X[slip]
+            for i in range(len(H_t)):
+                H_t[i, k], rate_t[i, k] = X_t[FH, i], X_t[slip, i]
 
 
 def driven_with_tangents(
-    law: str, P: Array, P_t: Array, time: Array, position: Array, edges: Index
+    P: Array, P_t: Array, time: Array, position: Array, edges: Index
 ) -> tuple[Array, Array, Array, Array]:
     """Hysteresis torque and dz/dq along a motion, and their derivatives by the law's parameters.
 
@@ -17,21 +82,20 @@ def driven_with_tangents(
     one-sided. A jump of the torque between samples does not appear in the derivatives.
 
     Args:
-        law: its name. P: its parameter block, shape (m,).
+        P: parameter block of any law, shape (m,).
         P_t: derivative of the block in each direction, shape (k, m).
         time, position: shape (n,), s and rad, as for `motion.drive_motions`.
         edges: of the separate motions, see `motion.drive_motions`.
     Returns:
         H, rate, each of shape (n,), and their derivatives in every direction, of shape (k, n).
     """
-    drive = getattr(kernels, f"drive_{law}")
     H, rate = np.empty_like(position), np.empty_like(position)
     H_t, rate_t = np.empty((2, len(P_t), len(position)))
-    X = np.empty(row_size(P, 0))
+    X = np.empty(laws.row_size(P, 0))
     X_t = np.empty((len(X), DIRECTIONS))
     for first in range(0, len(P_t), DIRECTIONS):
         some = slice(first, first + DIRECTIONS)
         block_t = np.zeros((len(P), DIRECTIONS))
         block_t[:, : len(P_t[some])] = P_t[some].T
-        drive(P, block_t, time, position, edges, H, H_t[some], rate, rate_t[some], X, X_t)
+        _drive(P, block_t, time, position, edges, H, H_t[some], rate, rate_t[some], X, X_t)
     return H, rate, H_t, rate_t

@@ -45,7 +45,7 @@ def name_of(kernel: Any) -> str:
     return f"{python.__module__.rpartition('.')[2]}_{python.__name__.strip('_')}"
 
 
-class Differentiated:
+class Differentiated(Activity):
     """A kernel with tangents.
 
     Attributes:
@@ -62,20 +62,20 @@ class Differentiated:
         Raises:
             ModelError: a construct that cannot be differentiated.
         """
-        self.activity = Activity(kernel, moving, wanted)
+        super().__init__(kernel, moving, wanted)
         self.wanted = wanted
         self.calls: list[tuple[Any, frozenset[str], bool]] = []
         self.made = 0
-        set_later = self.activity.varied - moving
-        still = [f"{name}_t = ZERO" for name in self.activity.arguments if name in set_later]
-        lines = [*still, *self._statements(self.activity.body)]
+        set_later = self.varied - moving
+        still = [f"{name}_t = ZERO" for name in self.arguments if name in set_later]
+        lines = [*still, *self._statements(self.body)]
         self.source = self._head(kernel, moving) + "\n".join(_indented(lines))
 
     def _head(self, kernel: Any, moving: frozenset[str]) -> str:
         arguments = []
-        for name, kind in self.activity.arguments.items():
+        for name, kind in self.arguments.items():
             arguments.append(f"{name}: {kind}")
-            if name in self.activity.arrays:
+            if name in self.arrays:
                 arguments.append(f"{name}_t: Tangents")
             elif name in moving:
                 arguments.append(f"{name}_t: Tangent")
@@ -99,7 +99,7 @@ class Differentiated:
         if isinstance(node, ast.While) and not node.orelse:
             return [f"while {self._test(node.test)}:", *_indented(self._statements(node.body))]
         if isinstance(node, ast.For) and not node.orelse:
-            head = f"for {ast.unparse(node.target)} in {self.activity.as_is(node.iter)}:"
+            head = f"for {ast.unparse(node.target)} in {self.as_is(node.iter)}:"
             return [head, *_indented(self._statements(node.body))]
         if isinstance(node, ast.Break | ast.Continue):
             return [ast.unparse(node)]
@@ -107,12 +107,12 @@ class Differentiated:
             return self._return(node.value)
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
             return [self._call(node.value, False, [])]
-        self.activity.unknown(node)
+        self.unknown(node)
 
     def _return(self, value: ast.expr | None) -> list[str]:
         if value is None:
             return ["return"]
-        if isinstance(value, ast.IfExp) and self.activity.moves(value):
+        if isinstance(value, ast.IfExp) and self.moves(value):
             body, orelse = self._return(value.body), self._return(value.orelse)
             return [f"if {self._test(value.test)}:", *_indented(body), *orelse]
         before: list[str] = []
@@ -120,25 +120,21 @@ class Differentiated:
         return [*before, f"return {text(new)}, {combined(terms)}"]
 
     def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
-        if isinstance(value, ast.IfExp) and self.activity.moves(value):
+        if isinstance(value, ast.IfExp) and self.moves(value):
             body, orelse = self._assign(target, value.body), self._assign(target, value.orelse)
             return [f"if {self._test(value.test)}:", *_indented(body), "else:", *_indented(orelse)]
         before: list[str] = []
-        place = self.activity.as_is(target)
+        place = self.as_is(target)
         if isinstance(target, ast.Subscript):
-            if self.activity.is_count(target):
-                return [f"{place} = {self.activity.as_is(value)}"]
+            if self.is_count(target):
+                return [f"{place} = {self.as_is(value)}"]
             new, terms = self._differentiate(value, before)
-            array, index = ast.unparse(target.value), self.activity.as_is(target.slice)
+            array, index = ast.unparse(target.value), self.as_is(target.slice)
             put = f"put({array}_t, {index}, {combined(terms)})"
             return [*before, put, f"{place} = {text(new)}"]
-        if place not in self.activity.varied:
-            return [f"{place} = {self.activity.as_is(value)}"]
-        if (
-            isinstance(value, ast.Call)
-            and self.activity.kernel_of(value)
-            and self.activity.moves(value)
-        ):
+        if place not in self.varied:
+            return [f"{place} = {self.as_is(value)}"]
+        if isinstance(value, ast.Call) and self.kernel_of(value) and self.moves(value):
             call = self._call(value, True, before)
             return [*before, f"{place}, {place}_t = {call}"]
         new, terms = self._differentiate(value, before)
@@ -149,10 +145,10 @@ class Differentiated:
             if isinstance(part, ast.Compare) and any(
                 isinstance(op, ast.Eq | ast.NotEq) for op in part.ops
             ):
-                hides = any(self.activity.moves(x) for x in (part.left, *part.comparators))
+                hides = any(self.moves(x) for x in (part.left, *part.comparators))
                 if hides and ast.unparse(part) not in HARMLESS:
-                    self.activity.unknown(node)
-        return self.activity.as_is(node)
+                    self.unknown(node)
+        return self.as_is(node)
 
     # expressions
 
@@ -160,16 +156,16 @@ class Differentiated:
         """Value and tangent of an expression; statements that must precede it are added to
         `before`.
         """
-        if not self.activity.moves(node):
-            return expression(self.activity.as_is(node)), {}
-        exact = self.activity.exactly(node)
+        if not self.moves(node):
+            return expression(self.as_is(node)), {}
+        exact = self.exactly(node)
         if exact is not node:
-            return expression(self.activity.as_is(node)), self._differentiate(exact, before)[1]
+            return expression(self.as_is(node)), self._differentiate(exact, before)[1]
         if isinstance(node, ast.Name):
             return node, alone(f"{node.id}_t")
         if isinstance(node, ast.Subscript):
-            tangent = f"at({ast.unparse(node.value)}_t, {self.activity.as_is(node.slice)})"
-            return expression(self.activity.as_is(node)), alone(tangent)
+            tangent = f"at({ast.unparse(node.value)}_t, {self.as_is(node.slice)})"
+            return expression(self.as_is(node)), alone(tangent)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
             value, terms = self._differentiate(node.operand, before)
             return ast.UnaryOp(node.op, value), opposite(terms)
@@ -177,7 +173,7 @@ class Differentiated:
             return self._binary(node, before)
         if isinstance(node, ast.Call):
             return self._function(node, before)
-        self.activity.unknown(node)
+        self.unknown(node)
 
     def _binary(self, node: ast.BinOp, before: list[str]) -> tuple[ast.expr, Terms]:
         a, of_a = self._differentiate(node.left, before)
@@ -199,11 +195,11 @@ class Differentiated:
             by_a = expression(f"({text(b)}) * {text(value)} / ({text(a)})")
             by_b = expression(f"{text(value)} * math.log({text(a)})")
         else:
-            self.activity.unknown(node)
+            self.unknown(node)
         return value, added(times(of_a, by_a), times(of_b, by_b))
 
     def _function(self, node: ast.Call, before: list[str]) -> tuple[ast.expr, Terms]:
-        if self.activity.kernel_of(node) is not None:
+        if self.kernel_of(node) is not None:
             call, name = self._call(node, True, before), self._new()
             before.append(f"{name}, {name}_t = {call}")
             return expression(name), alone(f"{name}_t")
@@ -213,7 +209,7 @@ class Differentiated:
         if called in ("min", "max") and len(parts) == 2:
             return self._extreme(called, parts, before)
         if called not in _DERIVATIVES or len(parts) != 1:
-            self.activity.unknown(node)
+            self.unknown(node)
         y = self._held(ast.Call(node.func, values, []), before)
         derivative = _DERIVATIVES[called](text(values[0]), text(y))
         return y, times(parts[0][1], expression(derivative))
@@ -233,25 +229,25 @@ class Differentiated:
 
     def _call(self, node: ast.Call, wanted: bool, before: list[str]) -> str:
         """Call of a kernel with tangents."""
-        kernel = self.activity.kernel_of(node)
+        kernel = self.kernel_of(node)
         if kernel is None:
-            self.activity.unknown(node)
+            self.unknown(node)
         names = list(inspect.signature(kernel.py_func).parameters)
         rule = RULES.get(kernel)
         taken = inspect.signature(rule.py_func).parameters if rule else None
         arguments: list[str] = []
         moving: set[str] = set()
         for name, argument in zip(names, node.args, strict=True):
-            if ast.unparse(argument) in self.activity.arrays:
+            if ast.unparse(argument) in self.arrays:
                 arguments += [ast.unparse(argument), f"{ast.unparse(argument)}_t"]
                 continue
             value, terms = self._differentiate(argument, before)
             arguments.append(text(value))
-            if f"{name}_t" in taken if taken is not None else self.activity.moves(argument):
+            if f"{name}_t" in taken if taken is not None else self.moves(argument):
                 moving.add(name)
                 arguments.append(combined(terms))
             elif terms:
-                self.activity.unknown(node)
+                self.unknown(node)
         if rule:
             return f"rules.{rule.py_func.__name__}({', '.join(arguments)})"
         self.calls.append((kernel, frozenset(moving), wanted))
@@ -265,7 +261,7 @@ class Differentiated:
     def _new(self) -> str:
         self.made += 1
         name = f"y{self.made}"
-        assert name not in self.activity.locals
+        assert name not in self.locals
         return name
 
 

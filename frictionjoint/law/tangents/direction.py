@@ -4,7 +4,7 @@ Each number of a kernel that depends on parameters has a tangent, with one entry
 number of directions is small and fixed, so that a tangent fits into registers. One pass over a
 motion then evaluates exponentials and branches once for all directions.
 
-The functions below are the operations that `frictionjoint.law.tangents.kernels` uses.
+The functions below are the operations that `frictionjoint.law.tangents.generate` uses.
 """
 
 from typing import Annotated, TypeAlias

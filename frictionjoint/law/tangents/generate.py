@@ -1,12 +1,14 @@
-"""Source of the laws' steps with their tangents.
+"""The laws' steps with their tangents.
 
 A law is written once, as a scalar kernel. Its source is differentiated here, statement by
 statement and in forward mode (`frictionjoint.law.tangents.differentiate`).
 """
 
+import types
 from importlib import import_module
 from typing import Any
 
+from frictionjoint.compiled import define
 from frictionjoint.errors import ModelError
 from frictionjoint.law import integrated, memory
 from frictionjoint.law.names import LAWS
@@ -36,7 +38,7 @@ def source() -> str:
 
     for kernel in _ROOTS:
         add(kernel, frozenset(), False)
-    modules = sorted(set().union(*(x.activity.modules for x in done.values())))
+    modules = sorted(set().union(*(x.modules for x in done.values())))
     functions = [made.source for made in done.values()]
     return _HEAD.format(modules=", ".join(modules)) + "\n\n".join(functions) + "\n"
 
@@ -51,3 +53,6 @@ from frictionjoint.law.tangents import rules
 from frictionjoint.law.tangents.direction import ZERO, Tangent, Tangents, at, put, scaled, sum2
 
 """
+steps: Any = types.ModuleType("frictionjoint.law.tangents.steps")
+"""The generated functions."""
+define(source(), steps.__name__, vars(steps))
