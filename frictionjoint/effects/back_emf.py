@@ -16,6 +16,7 @@ EFFECT = Effect(
     name="back-emf",
     title="back-EMF",
     effect_id=10,
+    kernel=torque,
     coefficients=("kt2_over_R",),
     of_speed=True,
     units=("T s/x",),

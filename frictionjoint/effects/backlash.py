@@ -114,6 +114,7 @@ EFFECT = Effect(
     name="backlash",
     title="play between gear teeth",
     effect_id=19,
+    kernel=torque,
     coefficients=("share",),
     units=("1",),
     cause="play between gear teeth",

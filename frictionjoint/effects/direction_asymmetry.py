@@ -30,6 +30,7 @@ EFFECT = Effect(
     name="direction-asymmetry",
     title="friction that differs with direction",
     effect_id=5,
+    kernel=torque,
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),
     cause="gear tooth flanks, seals and preload that act differently in the two directions",
@@ -43,6 +44,7 @@ EFFECT = Effect(
 BY_MOTION = replace(
     EFFECT,
     effect_id=23,
+    kernel=reached_torque,
     form="dF sgn(v) Fh/Fc, reached over `reach` of motion, + dsigma2 |v|",
     shape=("reach",),
     shape_units=("x",),

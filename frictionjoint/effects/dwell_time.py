@@ -41,6 +41,7 @@ EFFECT = Effect(
     name="dwell-time",
     title="stiction that grows at rest",
     effect_id=18,
+    kernel=torque,
     coefficients=("level",),
     units=("T",),
     cause="contact creep and lubricant squeezed out at rest",

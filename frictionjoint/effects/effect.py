@@ -34,7 +34,9 @@ class Effect:
     Attributes:
         title: common name; the canonical name if empty.
         name: canonical name; forms of one effect share it and differ in `form`.
-        effect_id: number of its kernel; 0 for an effect of the drive, which has none.
+        effect_id: number of its kernel in models and files; 0 for an effect of the drive, which has
+            none. 8 and 15 belonged to effects that no longer exist.
+        kernel: computes its torque, see `kernel.py` for the arguments.
         coefficients: names of the linear coefficients; units: one unit per coefficient, with
             "T" for the joint's torque (N m or N) and "x" for its position (rad or m).
         shape: names of the shape numbers; shape_units: their units.
@@ -83,6 +85,7 @@ class Effect:
     signature: str
     separating_motion: str
     effect_id: int = 0
+    kernel: Callable[..., float] | None = None
     coefficients: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
     entry: Entry = "adds torque"

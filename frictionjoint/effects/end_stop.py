@@ -47,6 +47,7 @@ UPPER = Effect(
     name="end-stop",
     title="end stop",
     effect_id=16,
+    kernel=upper_torque,
     coefficients=("stiffness",),
     units=("T/x",),
     cause="bumper, cable at its end, hard stop",
@@ -63,6 +64,7 @@ UPPER = Effect(
 LOWER = replace(
     UPPER,
     effect_id=24,
+    kernel=lower_torque,
     form="-k (qmin - q)+",
     shape=("lower",),
     shapes=partial(_positions, np.min),
@@ -71,6 +73,7 @@ LOWER = replace(
 BOTH = replace(
     UPPER,
     effect_id=32,
+    kernel=both_torque,
     form="k ((q - qmax)+ - (qmin - q)+)",
     signature="acts near both ends of the range only",
     separating_motion="approach each end slowly and dwell before it",

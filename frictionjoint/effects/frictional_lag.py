@@ -42,6 +42,7 @@ EFFECT = Effect(
     name="frictional-lag",
     title="lag of the lubricant film",
     effect_id=17,
+    kernel=torque,
     coefficients=("level",),
     units=("T",),
     cause="the lubricant film takes time to build up or collapse",

@@ -39,6 +39,7 @@ EFFECT = Effect(
     name="gravity-error",
     title="payload or wrong mass",
     effect_id=2,
+    kernel=torque,
     coefficients=("moment_x", "moment_y"),
     units=("kg m", "kg m"),
     cause="payload, wrong mass or wrong centre of mass of everything beyond the joint",
@@ -53,6 +54,7 @@ EFFECT = Effect(
 ALONG_CENTRE = replace(
     EFFECT,
     effect_id=31,
+    kernel=centred_torque,
     coefficients=("moment",),
     units=("kg m",),
     form="m (cx Gx + cy Gy), towards the model's own centre of mass",

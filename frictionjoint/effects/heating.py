@@ -29,6 +29,7 @@ EFFECT = Effect(
     name="heating",
     title="heating by friction",
     effect_id=28,
+    kernel=torque,
     cause="friction's loss warms the joint, which loses heat to its surroundings",
     form="tau dT/dt = ambient + R loss - T, loss = friction torque times velocity",
     source="thermal model of first order, Bittencourt and Gunnarsson (2012)",

@@ -16,6 +16,7 @@ EFFECT = Effect(
     name="inertia-error",
     title="wrong inertia",
     effect_id=3,
+    kernel=torque,
     coefficients=("inertia",),
     plain=("armature",),
     units=("T s^2/x",),

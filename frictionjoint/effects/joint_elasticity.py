@@ -94,6 +94,7 @@ EFFECT = Effect(
     name="joint-elasticity",
     title="elastic gear or shaft",
     effect_id=20,
+    kernel=torque,
     coefficients=("link_inertia",),
     units=("T s^2/x",),
     cause="compliant gear or shaft between motor and link, encoder on the motor",

@@ -4,107 +4,36 @@ A block ``P[e:]`` contains the number of effects, then per effect its id, the co
 and the numbers (shape first, then coefficients). Memory ``X[x:]`` has `MEMORY` numbers per effect.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from frictionjoint.arrays import Array, Vector
-from frictionjoint.compiled import compiled, pointer, room
-from frictionjoint.effects import (
-    back_emf,
-    backlash,
-    direction_asymmetry,
-    dwell_time,
-    end_stop,
-    frictional_lag,
-    gravity_error,
-    heating,
-    inertia_error,
-    joint_elasticity,
-    load_dependent,
-    measurement_delay,
-    motor_saturation,
-    motor_temperature,
-    nonlinear_viscous,
-    position_periodic,
-    spring,
-    temperature_dependent,
-    torque_bias,
-    torque_gain,
-    warm_up_drift,
-)
+from frictionjoint.compiled import compiled, define, pointer, room
+from frictionjoint.effects.catalogue import SIMULATED
 
 MEMORY = 3
 
 
+# A kernel cannot use a table of functions, so a chain of conditions selects that of an effect.
+_KERNELS = {e.effect_id: e.kernel for e in sorted(SIMULATED, key=lambda e: e.effect_id)}
+_HEAD = '''
 @compiled
 def effect_torque(effect_id: int, P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """Torque of one effect, selected by its id.
-
-    A kernel cannot use a table of functions, so a chain of conditions selects the effect. Ids 8 and
-    15 belonged to effects that no longer exist.
-    """
-    if effect_id == 1:
-        return torque_bias.torque(P, e, sig, X, x)
-    if effect_id == 2:
-        return gravity_error.torque(P, e, sig, X, x)
-    if effect_id == 3:
-        return inertia_error.torque(P, e, sig, X, x)
-    if effect_id == 4:
-        return spring.torque(P, e, sig, X, x)
-    if effect_id == 5:
-        return direction_asymmetry.torque(P, e, sig, X, x)
-    if effect_id == 6:
-        return nonlinear_viscous.torque(P, e, sig, X, x)
-    if effect_id == 7:
-        return load_dependent.torque(P, e, sig, X, x)
-    if effect_id == 9:
-        return warm_up_drift.torque(P, e, sig, X, x)
-    if effect_id == 10:
-        return back_emf.torque(P, e, sig, X, x)
-    if effect_id == 11:
-        return position_periodic.torque(P, e, sig, X, x)
-    if effect_id == 12:
-        return position_periodic.level_torque(P, e, sig, X, x)
-    if effect_id == 13:
-        return torque_gain.torque(P, e, sig, X, x)
-    if effect_id == 14:
-        return measurement_delay.torque(P, e, sig, X, x)
-    if effect_id == 16:
-        return end_stop.upper_torque(P, e, sig, X, x)
-    if effect_id == 17:
-        return frictional_lag.torque(P, e, sig, X, x)
-    if effect_id == 18:
-        return dwell_time.torque(P, e, sig, X, x)
-    if effect_id == 19:
-        return backlash.torque(P, e, sig, X, x)
-    if effect_id == 20:
-        return joint_elasticity.torque(P, e, sig, X, x)
-    if effect_id == 21:
-        return warm_up_drift.warmed_torque(P, e, sig, X, x)
-    if effect_id == 22:
-        return load_dependent.coulomb_torque(P, e, sig, X, x)
-    if effect_id == 23:
-        return direction_asymmetry.reached_torque(P, e, sig, X, x)
-    if effect_id == 24:
-        return end_stop.lower_torque(P, e, sig, X, x)
-    if effect_id == 25:
-        return load_dependent.stribeck_torque(P, e, sig, X, x)
-    if effect_id == 26:
-        return motor_saturation.torque(P, e, sig, X, x)
-    if effect_id == 27:
-        return temperature_dependent.torque(P, e, sig, X, x)
-    if effect_id == 28:
-        return heating.torque(P, e, sig, X, x)
-    if effect_id == 29:
-        return temperature_dependent.apart_torque(P, e, sig, X, x)
-    if effect_id == 30:
-        return motor_temperature.torque(P, e, sig, X, x)
-    if effect_id == 31:
-        return gravity_error.centred_torque(P, e, sig, X, x)
-    if effect_id == 32:
-        return end_stop.both_torque(P, e, sig, X, x)
-    if effect_id == 33:
-        return warm_up_drift.heated_torque(P, e, sig, X, x)
-    return np.nan
+    """Torque of one effect, selected by its id."""
+'''
+_CHOICE = """    if effect_id == {0}:
+        return kernel_{0}(P, e, sig, X, x)
+"""
+_space: dict[str, Any] = {
+    **{"compiled": compiled, "Vector": Vector, "np": np, "__name__": __name__},
+    **{f"kernel_{number}": kernel for number, kernel in _KERNELS.items()},
+}
+_text = "".join([_HEAD, *map(_CHOICE.format, _KERNELS), "    return np.nan\n"])
+define(_text, f"effect_torque of {__name__}", _space)
+effect_torque: Callable[[int, Vector, int, Vector, Vector, int], float] = _space["effect_torque"]
+"""Torque of one effect, selected by its id: arguments effect_id, P, e, sig, X, x."""
 
 
 @compiled

@@ -47,6 +47,7 @@ EFFECT = Effect(
     name="load-dependent",
     title="friction that grows with load",
     effect_id=7,
+    kernel=torque,
     coefficients=("c",),
     units=("1",),
     cause="tooth and bearing friction proportional to the normal force of the transmitted torque",
@@ -67,12 +68,14 @@ EFFECT = Effect(
 COULOMB = replace(
     EFFECT,
     effect_id=22,
+    kernel=coulomb_torque,
     form="c |tau_load| Fh/Fc within +-1, reached over `reach` of motion",
     source="Bittencourt and Gunnarsson (2012); with Dahl's law the loss in MuJoCo's issue 3528",
 )
 STRIBECK = replace(
     EFFECT,
     effect_id=25,
+    kernel=stribeck_torque,
     coefficients=("c", "cs"),
     units=("1", "1"),
     form="(c + cs exp(-|v|/vs)) |tau_load| Fh/Fc within +-1, reached over `reach` of motion",

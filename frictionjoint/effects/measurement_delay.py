@@ -20,6 +20,7 @@ EFFECT = Effect(
     name="measurement-delay",
     title="delay between torque and position",
     effect_id=14,
+    kernel=torque,
     cause="filters and buses that delay one channel against the other",
     form="tau(t + T), T the time by which the position is logged late",
     source="pure delay between two channels",

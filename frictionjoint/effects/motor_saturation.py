@@ -38,6 +38,7 @@ EFFECT = Effect(
     name="motor-saturation",
     title="saturating motor",
     effect_id=26,
+    kernel=torque,
     coefficients=("s",),
     units=("1/(T)^2",),
     cause="iron that saturates, magnets that weaken, a supply that sags with the current",

@@ -31,6 +31,7 @@ EFFECT = Effect(
     name="motor-temperature",
     title="motor that weakens as it warms",
     effect_id=30,
+    kernel=torque,
     coefficients=("a",),
     units=("1/K",),
     cause="winding resistance that rises and magnets that weaken as the motor warms",

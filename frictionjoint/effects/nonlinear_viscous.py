@@ -27,6 +27,7 @@ EFFECT = Effect(
     name="nonlinear-viscous",
     title="curved viscous friction",
     effect_id=6,
+    kernel=torque,
     coefficients=("c",),
     of_speed=True,
     units=("T (s/x)^p",),

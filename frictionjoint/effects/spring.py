@@ -16,6 +16,7 @@ EFFECT = Effect(
     name="spring",
     title="spring, cable or balancer",
     effect_id=4,
+    kernel=torque,
     coefficients=("stiffness", "preload"),
     plain=("stiffness", "preload"),
     units=("T/x", "T"),

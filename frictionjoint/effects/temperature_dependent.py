@@ -41,6 +41,7 @@ EFFECT = Effect(
     name="temperature-dependent",
     title="friction that falls with temperature",
     effect_id=27,
+    kernel=torque,
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),
     cause="lubricant viscosity and seal friction falling with temperature",
@@ -61,6 +62,7 @@ EFFECT = Effect(
 APART = replace(
     EFFECT,
     effect_id=29,
+    kernel=apart_torque,
     form="a (exp(-(T - T0)/s) - 1) Fh/Fc + b (exp(-(T - T0)/sv) - 1) v",
     source="Bittencourt and Gunnarsson (2012), levels and viscosity of their own rates",
     shape=("T0", "scale", "viscous_scale"),

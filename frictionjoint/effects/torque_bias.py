@@ -15,6 +15,7 @@ EFFECT = Effect(
     name="torque-bias",
     title="constant torque offset",
     effect_id=1,
+    kernel=torque,
     coefficients=("bias",),
     plain=("preload",),
     units=("T",),

@@ -16,6 +16,7 @@ EFFECT = Effect(
     name="torque-gain",
     title="wrong motor constant",
     effect_id=13,
+    kernel=torque,
     coefficients=("gain",),
     units=("1",),
     cause="motor constant, gear efficiency or current scale that differs from the assumed one",

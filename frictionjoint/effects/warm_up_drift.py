@@ -90,6 +90,7 @@ EFFECT = Effect(
     name="warm-up-drift",
     title="warm-up",
     effect_id=9,
+    kernel=torque,
     coefficients=("level", "viscous"),
     units=("T", "T s/x"),
     cause="losses warm the lubricant while the joint works",
@@ -108,6 +109,7 @@ EFFECT = Effect(
 BY_LOSS = replace(
     EFFECT,
     effect_id=21,
+    kernel=warmed_torque,
     form="exp(-w/scale) (a Fh/Fc + b v), dw/dt = |v Fh|/Fc - w/tau, cold at the start of the log",
     source="Bittencourt and Gunnarsson (2012), heated by the friction's own loss",
     signature="same motion, friction that changes slowly with the work done before",
@@ -120,6 +122,7 @@ BY_LOSS = replace(
 BY_WHOLE_LOSS = replace(
     BY_LOSS,
     effect_id=33,
+    kernel=heated_torque,
     form="exp(-w/scale) (a Fh/Fc + b v), dw/dt = |v| (|Fh|/Fc + ratio |v|) - w/tau, cold at the "
     "start of the log",
     shape=("scale", "ratio", "tau"),
