@@ -53,12 +53,16 @@ def _damaged() -> ParameterError:
 class Friction:
     """Parameters of a friction law: validated numbers, files, and the block that a kernel reads.
 
+    A block contains the law's number, what stands before the levels, usually sigma1, the levels of
+    both directions, and the law's own numbers: usually the fields named in `own`.
+
     Raises:
         ParameterError: a value is missing or out of its range; the message names it and the range.
     """
 
     law: ClassVar[str]
     number: ClassVar[int]
+    own: ClassVar[tuple[str, ...]] = ()
 
     def __new__(cls, *args: Any, **given: Any) -> Self:
         """Check the names first: Python's own TypeError for a missing argument states no fix."""
@@ -90,14 +94,33 @@ class Friction:
         """The numbers of a direction, in the order of `LEVELS`."""
         return [getattr(self, f"{name}_{side}") for name in LEVELS]
 
+    def _head(self) -> list[float]:
+        """The numbers of the block between that of the law and the levels."""
+        return [getattr(self, "sigma1", 0.0)]
+
+    def _own(self) -> list[float]:
+        """The numbers of the block behind the levels."""
+        return [getattr(self, name) for name in self.own]
+
+    @classmethod
+    def _own_fields(cls, own: list[float]) -> dict[str, Any]:
+        """Inverse of `_own`."""
+        return dict(zip(cls.own, own, strict=True))
+
     def pack(self) -> NDArray[np.float64]:
         """The block of numbers that the law's kernel reads, the number of the law in front."""
-        raise NotImplementedError
+        levels = [x for side in SIDES for x in self.levels(side)]
+        return np.array([self.number, *self._head(), *levels, *self._own()], dtype=np.float64)
 
     @classmethod
     def _from_numbers(cls, numbers: list[float]) -> Self:
         """Parameters of a block; an IndexError, ValueError or OverflowError if it is damaged."""
-        raise NotImplementedError
+        first = 2 + len(LEVEL_FIELDS)
+        given = dict(zip(("sigma1", *LEVEL_FIELDS), numbers[1:first], strict=True))
+        given |= cls._own_fields(numbers[first:])
+        # the static law has no sigma1, Dahl's no Stribeck effect
+        names = {field.name for field in dataclasses.fields(cls)}
+        return cls(**{name: x for name, x in given.items() if name in names})
 
     @classmethod
     def unpack(cls, block: NDArray[np.float64]) -> Self:
@@ -116,6 +139,11 @@ class Friction:
         if not np.array_equal(found.pack(), block):
             raise _damaged()
         return found
+
+    @classmethod
+    def symmetric(cls, **values: Any) -> Self:
+        """The same levels in both directions: ``Fs=1.2`` for ``Fs_pos=1.2, Fs_neg=1.2``."""
+        return cls.from_dict(values)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values by field name, `law` first, for TOML and JSON."""
@@ -244,12 +272,11 @@ class FrictionParameters(StribeckFriction):
         least = 0.01 * self.knots[-1][1]
         return next(slope for _, F, slope in _segments(self.knots) if least <= F)
 
-    def pack(self) -> NDArray[np.float64]:
-        """The block ``law.integrated`` reads, the number of the law in front."""
-        head = [self.variant == "lampaert2002", self.virgin == "masing", self.n, self.sigma1]
-        sides = [x for side in SIDES for x in self.levels(side)]
-        knots = [x for z, F, K in _segments(self.knots) for x in (z, F, K)]
-        return np.array([self.number, *head, *sides, len(self.knots), *knots], dtype=np.float64)
+    def _head(self) -> list[float]:
+        return [self.variant == "lampaert2002", self.virgin == "masing", self.n, self.sigma1]
+
+    def _own(self) -> list[float]:
+        return [len(self.knots), *(x for segment in _segments(self.knots) for x in segment)]
 
     @classmethod
     def _from_numbers(cls, numbers: list[float]) -> Self:

@@ -5,64 +5,16 @@ m for rad. Fs, Fc, Vs, delta and sigma2 (_pos, _neg) are those of `FrictionParam
 raises `ParameterError`, naming the value and its range.
 """
 
-import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from frictionjoint.parameter_checks import LEVEL_FIELDS, SIDES, number_pairs, require
+from frictionjoint.parameter_checks import number_pairs, require
 from frictionjoint.parameters import MOST_KNOTS, Friction, StribeckFriction
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Rival(Friction):
-    """Common base of these classes: the block of numbers.
-
-    A block contains the law's number, sigma1, the levels of both directions, and the law's own
-    numbers: the fields named in `own`.
-    """
-
-    own: ClassVar[tuple[str, ...]] = ()
-
-    @classmethod
-    def symmetric(cls, **values: Any) -> Self:
-        """The same levels in both directions: ``Fs=1.2`` for ``Fs_pos=1.2, Fs_neg=1.2``."""
-        return cls.from_dict(values)
-
-    def _own(self) -> list[float]:
-        return [getattr(self, name) for name in self.own]
-
-    @classmethod
-    def _own_fields(cls, own: list[float]) -> dict[str, Any]:
-        """Inverse of `_own`."""
-        return dict(zip(cls.own, own, strict=True))
-
-    @classmethod
-    def _from_numbers(cls, numbers: list[float]) -> Self:
-        first = 2 + len(LEVEL_FIELDS)
-        given = dict(zip(("sigma1", *LEVEL_FIELDS), numbers[1:first], strict=True))
-        given |= cls._own_fields(numbers[first:])
-        # the static law has no sigma1, Dahl's no Stribeck effect
-        names = {field.name for field in dataclasses.fields(cls)}
-        return cls(**{name: x for name, x in given.items() if name in names})
-
-    def pack(self) -> NDArray[np.float64]:
-        """The block for ``law.kernel``, beginning with the number of the law."""
-        levels = [x for side in SIDES for x in self.levels(side)]
-        sigma1 = getattr(self, "sigma1", 0.0)
-        return np.array([float(self.number), sigma1, *levels, *self._own()])
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Stribeck(StribeckFriction, _Rival):
-    """A law with a Stribeck effect."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Bristle(_Stribeck):
+class _Bristle(StribeckFriction):
     """A law with a Stribeck effect and a spring of stiffness sigma0."""
 
     sigma0: float
@@ -76,7 +28,7 @@ class _Bristle(_Stribeck):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StaticParameters(_Stribeck):
+class StaticParameters(StribeckFriction):
     """Coulomb, Stribeck and viscous torque as a function of velocity (see ``law.static``).
 
     Attributes:
@@ -123,7 +75,7 @@ class _DahlCurve:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DahlParameters(_DahlCurve, _Rival):
+class DahlParameters(_DahlCurve, Friction):
     """Dahl's law (1968), ``law.dahl``.
 
     Attributes:
@@ -151,7 +103,7 @@ class DahlParameters(_DahlCurve, _Rival):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DahlStribeckParameters(_DahlCurve, _Stribeck):
+class DahlStribeckParameters(_DahlCurve, StribeckFriction):
     """Dahl's hysteresis scaled by the Stribeck curve, ``law.dahl_stribeck``.
 
     Attributes:
@@ -201,7 +153,7 @@ class ElastoplasticParameters(_Bristle):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MaxwellSlipParameters(_Stribeck):
+class MaxwellSlipParameters(StribeckFriction):
     """Generalized Maxwell-slip (Al-Bender, Lampaert and Swevers 2005), ``law.maxwell_slip``.
 
     Attributes:
@@ -245,7 +197,7 @@ class MaxwellSlipParameters(_Stribeck):
         return {"C": own[0], "elements": tuple(zip(own[2::2], own[3::2], strict=True))}
 
 
-RIVALS: tuple[type[_Rival], ...] = (
+RIVALS: tuple[type[Friction], ...] = (
     StaticParameters,
     ArmstrongParameters,
     DahlParameters,

@@ -42,7 +42,7 @@ def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
     return tagged_numerics(model, TAG)
 
 
-def rows_of_block(block: Sequence[float]) -> int:
+def rows_of_block(block: Sequence[float] | Array) -> int:
     """Number of float64 of user data for a joint with this block."""
     numbers = np.asarray(block, dtype=np.float64)
     n_effects = int(numbers[int(numbers[EFFECTS])])

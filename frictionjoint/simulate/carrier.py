@@ -13,7 +13,6 @@ from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.heating import EFFECT as HEATING
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
-from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.laws import unpack
 from frictionjoint.model_files import ONE_DOF, compiling, not_xml
 from frictionjoint.mujoco_warnings import as_python_warnings
@@ -28,7 +27,6 @@ from frictionjoint.simulate.native_friction import (
     counts_twice,
     native_friction_of_spec,
 )
-from frictionjoint.simulate.row import row_size
 from frictionjoint.simulate.sensor_delay import delay_sensors
 from frictionjoint.simulate.shaft_wave import resolve_waves
 from frictionjoint.simulate.uninstall import carrying, take_out
@@ -101,15 +99,12 @@ def install(
         take_out(spec, replaced)
     there = [numeric.data for numeric in spec.numerics if TAG in numeric.name]
     own = max(0, spec.nuserdata - sum(rows_of_block(block) for block in there))
-    for name, parameters in friction.items():
-        block = made[name]
+    for name, block in made.items():
         # larger whole numbers do not survive six digits
         block[slot.ROW] = own + 1 if own < 999_999 else 0
         numeric = spec.add_numeric(name=TAG + name, data=block, size=len(block))
         assert numeric is not None
-        n_effects = len(carried[name])
-        law_row = int(law_row_size(parameters.pack(), 0))
-        spec.nuserdata = max(spec.nuserdata, 0) + row_size(law_row, n_effects)
+        spec.nuserdata = max(spec.nuserdata, 0) + rows_of_block(block)
         mechanical = [(e.effect, e.numbers) for e in carried[name] if e.effect.acts == "mechanism"]
         if mechanical:
             add_mechanism(spec, name, mechanical)

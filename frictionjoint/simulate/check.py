@@ -11,8 +11,7 @@ from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
 from frictionjoint.model_joints import is_slide
 from frictionjoint.simulate.assumption_text import assumed
-from frictionjoint.simulate.block import HEAD
-from frictionjoint.simulate.carrier import read_friction, resolve
+from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.idle_warning import callback_is_off
 from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
 from frictionjoint.simulate.native_friction import MEND, native_friction, tendon_friction
@@ -32,7 +31,7 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
         ModelError: friction in the model is damaged. TypeError: no MjModel.
     """
     require_model(model, "check")
-    found, carried_by = resolve(model), read_friction(model)
+    carried_by = read_friction(model)
     native = native_friction(model, carried_by)
     implicit = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
     rows = []
@@ -41,8 +40,8 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
         unit = "N/m" if is_slide(model, name) else "N m/rad"
         # of one degree of freedom MuJoCo keeps the inverse inertia at qpos0
         inverse = float(model.dof_invweight0[int(model.jnt_dofadr[j])])
-        stiffness, sigma1 = presliding(model.numeric_data, found[name] + HEAD)
         law = carried.parameters
+        stiffness, sigma1 = presliding(law.pack(), 0)
         viscous = law.to_dict()
         damping = float(sigma1) + max(float(viscous[f"sigma2_{side}"]) for side in ("pos", "neg"))
         ratio = model.opt.timestep * float(stiffness * inverse) ** 0.5

@@ -33,11 +33,6 @@ class _Kind(NamedTuple):
 
 
 _ABOVE = _Kind(lambda P, x, t: float(P[0]) + x, lambda P, celsius, t: celsius - float(P[0]))
-_TEMPERATURES = {
-    float(effect.effect_id): _ABOVE
-    for effect in SIMULATED
-    if effect is heating.EFFECT or TEMP in effect.needs
-}
 _WARMTHS = {
     float(warm_up_drift.EFFECT.effect_id): _Kind(
         lambda P, x, t: -math.expm1(-(t + x) / P[0]),
@@ -50,6 +45,15 @@ _WARMTHS = {
         lambda P, x, t: -math.expm1(-x / P[0]), lambda P, warm, t: -P[0] * math.log1p(-warm)
     ),
 }
+# by the state, the effects that have it
+_KINDS = {
+    "temperature": {
+        float(effect.effect_id): _ABOVE
+        for effect in SIMULATED
+        if effect is heating.EFFECT or TEMP in effect.needs
+    },
+    "warmth": _WARMTHS,
+}
 
 
 def temperature(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
@@ -61,7 +65,7 @@ def temperature(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
         ModelError: no joint has a temperature, or the data have not been evaluated.
         TypeError: no MjModel or MjData.
     """
-    return _read(model, data, _TEMPERATURES, "temperature")
+    return _read(model, data, "temperature")
 
 
 def temperature_setters(
@@ -72,10 +76,10 @@ def temperature_setters(
     Args:
         data: of that model, evaluated at least once.
     """
-    if not any(_of_block(model.numeric_data, b, _TEMPERATURES) for b in resolve(model).values()):
+    if not any(_of_block(model.numeric_data, b, "temperature") for b in resolve(model).values()):
         return {}
-    found = _places(model, data, _TEMPERATURES, "temperature")
-    return {name: partial(_put, model, data, places) for name, places in found.items()}
+    found = _places(model, data, "temperature")
+    return {name: partial(_put, data, places) for name, places in found.items()}
 
 
 def set_temperature(model: mujoco.MjModel, data: mujoco.MjData, joint: str, celsius: float) -> None:
@@ -84,16 +88,14 @@ def set_temperature(model: mujoco.MjModel, data: mujoco.MjData, joint: str, cels
     Raises:
         ModelError, TypeError: as `temperature`, or the joint has none.
     """
-    _write(model, data, _TEMPERATURES, "temperature", joint, celsius)
+    _write(model, data, "temperature", joint, celsius)
 
 
 def temperature_of(P: Array, block: int, X: Array) -> float | None:
     """Temperature, deg C, of the joint whose block is at P[block:]; None if it has none."""
-    found = _of_block(P, block, _TEMPERATURES)
-    if not found:
-        return None
-    kind, numbers, _, evaluated = found[0]
-    return kind.read(P[numbers:], float(X[evaluated]), math.nan)  # it depends on no time
+    for kind, numbers, _, evaluated in _of_block(P, block, "temperature"):
+        return kind.read(numbers, float(X[evaluated]), math.nan)  # it depends on no time
+    return None
 
 
 def warmth(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
@@ -101,7 +103,7 @@ def warmth(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
 
     Args, Raises: as `temperature`.
     """
-    return _read(model, data, _WARMTHS, "warmth")
+    return _read(model, data, "warmth")
 
 
 def set_warmth(model: mujoco.MjModel, data: mujoco.MjData, joint: str, warm: float) -> None:
@@ -113,17 +115,24 @@ def set_warmth(model: mujoco.MjModel, data: mujoco.MjData, joint: str, warm: flo
     """
     if not 0.0 <= warm < 1.0:
         raise ModelError(f"joint {joint!r}: warmth is {warm}: give 0 or more, below 1")
-    _write(model, data, _WARMTHS, "warmth", joint, warm)
+    _write(model, data, "warmth", joint, warm)
 
 
-def _places(
-    model: mujoco.MjModel, data: mujoco.MjData, kinds: dict[float, _Kind], what: str
-) -> dict[str, list[tuple[_Kind, int, int, int]]]:
-    """By joint: kind, address of the numbers, of the committed and of the evaluated memory."""
+class _Place(NamedTuple):
+    """An effect with a thermal state: its numbers, and where its memory is, which stands twice."""
+
+    kind: _Kind
+    numbers: Array
+    committed: int
+    evaluated: int
+
+
+def _places(model: mujoco.MjModel, data: mujoco.MjData, what: str) -> dict[str, list[_Place]]:
+    """The effects of each joint with a state."""
     require_data(data, model, what)
     P, found = model.numeric_data, {}
     for name, block in resolve(model).items():
-        places = _of_block(P, block, kinds)
+        places = _of_block(P, block, what)
         if places and data.userdata[int(P[block + ROW]) + STARTED] == 0.0:
             raise ModelError(
                 f"joint {name!r} has no {what} yet: attach the model and call mj_forward first"
@@ -135,48 +144,31 @@ def _places(
     return found
 
 
-def _of_block(P: Array, block: int, kinds: dict[float, _Kind]) -> list[tuple[_Kind, int, int, int]]:
-    """Kind, address of the numbers, of the committed and of the evaluated memory, of one block."""
-    found = effects_of(P, block + int(P[block + EFFECTS]))
+def _of_block(P: Array, block: int, what: str) -> list[_Place]:
+    found, kinds = effects_of(P, block + int(P[block + EFFECTS])), _KINDS[what]
     memory = int(P[block + ROW]) + FRONT + int(law_row_size(P, block + HEAD))
     return [
-        (kinds[effect], numbers, memory + MEMORY * i, memory + MEMORY * (i + len(found)))
-        for i, (effect, numbers) in enumerate(found)
+        _Place(kinds[effect], P[at:], memory + MEMORY * i, memory + MEMORY * (i + len(found)))
+        for i, (effect, at) in enumerate(found)
         if effect in kinds
     ]
 
 
-def _read(
-    model: mujoco.MjModel, data: mujoco.MjData, kinds: dict[float, _Kind], what: str
-) -> dict[str, float]:
+def _read(model: mujoco.MjModel, data: mujoco.MjData, what: str) -> dict[str, float]:
     return {
-        name: places[0][0].read(
-            model.numeric_data[places[0][1] :], float(data.userdata[places[0][3]]), data.time
-        )
-        for name, places in _places(model, data, kinds, what).items()
+        name: kind.read(numbers, float(data.userdata[evaluated]), data.time)
+        for name, [(kind, numbers, _, evaluated), *_] in _places(model, data, what).items()
     }
 
 
-def _write(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    kinds: dict[float, _Kind],
-    what: str,
-    joint: str,
-    value: float,
-) -> None:
-    found = _places(model, data, kinds, what)
+def _write(model: mujoco.MjModel, data: mujoco.MjData, what: str, joint: str, value: float) -> None:
+    found = _places(model, data, what)
     if joint not in found:
         raise ModelError(f"joint {joint!r} has no {what}: choose from {', '.join(found)}")
-    _put(model, data, found[joint], value)
+    _put(data, found[joint], value)
 
 
-def _put(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    places: list[tuple[_Kind, int, int, int]],
-    value: float,
-) -> None:
+def _put(data: mujoco.MjData, places: list[_Place], value: float) -> None:
     for kind, numbers, committed, evaluated in places:
-        x = kind.write(model.numeric_data[numbers:], value, data.time)
+        x = kind.write(numbers, value, data.time)
         data.userdata[committed] = data.userdata[evaluated] = x

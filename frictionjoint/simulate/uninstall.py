@@ -57,7 +57,7 @@ def take_out(spec: mujoco.MjSpec, joints: Sequence[str], mechanism: bool = True)
         block = np.asarray(numeric.data)
         if len(block) <= HEAD or block[0] != MAGIC or len(block) != HEAD + 5 * block[COUNT]:
             raise ModelError(f"numeric {numeric.name} is damaged: delete it in the MJCF by hand")
-        rows += rows_of_block(block.tolist())
+        rows += rows_of_block(block)
     if not have_rows(all_of_them, spec.nuserdata):
         rows = 0
     for numeric in ours:

@@ -43,7 +43,7 @@ class Layout:
         self.joints = tuple(found)
         self.numbers = numbers = np.array(model.numeric_data)
         self._addresses = at = _whole(found.values())
-        starts = _starts([front + rows_of_block(numbers[a:].tolist()) for a in at])
+        starts = _starts([front + rows_of_block(numbers[a:]) for a in at])
         self.rows, self.room = starts[:-1], int(starts[-1])
         numbers[at + ROW] = self.rows + front
         lengths = HEAD + _whole(numbers[at + COUNT])
