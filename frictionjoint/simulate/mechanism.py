@@ -23,7 +23,7 @@ with the motor locked, and its damping. How the model receives them depends on t
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -45,30 +45,19 @@ _FASTEST = 0.7
 _FASTEST_FLANK = 0.5 * _FASTEST
 
 
-@dataclass(frozen=True)
-class _Spring:
+class _Spring(NamedTuple):
     """Spring between motor and link.
 
     Attributes:
-        inertia: behind it, kg m^2. rate: rad/s, natural frequency of the link with the motor held.
-        damping_ratio: at that rate. half_gap: rad. least_rotor: kg m^2.
+        inertia: behind it, kg m^2. stiffness: N m/rad. damping: N m s/rad. half_gap: rad.
+        least_rotor: kg m^2.
     """
 
     inertia: float
-    rate: float
-    damping_ratio: float
+    stiffness: float
+    damping: float
     half_gap: float
     least_rotor: float
-
-    @property
-    def stiffness(self) -> float:
-        """N m/rad."""
-        return self.inertia * self.rate**2
-
-    @property
-    def damping(self) -> float:
-        """N m s/rad."""
-        return 2.0 * self.damping_ratio * self.rate * self.inertia
 
 
 def require_place(spec: mujoco.MjSpec, name: str) -> None:
@@ -200,7 +189,9 @@ def _spring(
             stacklevel=4,
         )
     least = max(_LEAST_ROTOR, (rate * step / fastest) ** 2) * total
-    return _Spring(max(min(behind, total - least), least), rate, damping_ratio, half_gap, least)
+    behind = max(min(behind, total - least), least)
+    damping = 2.0 * damping_ratio * rate * behind
+    return _Spring(behind, behind * rate**2, damping, half_gap, least)
 
 
 def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:

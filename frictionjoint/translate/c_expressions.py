@@ -80,9 +80,9 @@ class Expressions(Kernel):
         self.same: dict[str, ast.expr] = {}
 
     def noted(self, kind: str) -> str:
-        """Return a kind, and note that a tuple of this kind must be defined."""
+        """Return a kind, and note that a tuple of this kind and those within it must be defined."""
         if is_tuple(kind):
-            self.gathered.tuples.add(kind)
+            self.gathered.tuples.update([kind, *map(self.noted, filter(is_tuple, elements(kind)))])
         return kind
 
     # text

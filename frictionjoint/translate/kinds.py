@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from frictionjoint.compiled import TUPLE, elements, is_tuple
+from frictionjoint.compiled import TUPLE, elements
 
 DOUBLE, WHOLE, NOTHING = "double", "int", "void"
 REALS, WHOLES, FLAGS = "double *", "int64_t *", "uint8_t *"
@@ -148,18 +148,9 @@ def structure_definitions(named: Iterable[Any], dialect: Dialect) -> list[str]:
 
 
 def definitions(kinds: Iterable[str], dialect: Dialect) -> list[str]:
-    """C structures for tuples, inner tuples first."""
-    done: dict[str, str] = {}
-
-    def add(kind: str) -> None:
-        parts = elements(kind)
-        for part in parts:
-            if is_tuple(part) and part not in done:
-                add(part)
-        fields = " ".join(f"{dialect.declared(part)}_{i};" for i, part in enumerate(parts))
-        done[kind] = f"typedef struct {{ {fields} }} {kind};"
-
-    for kind in sorted(kinds):
-        if kind not in done:
-            add(kind)
-    return list(done.values())
+    """C structures for tuples and those within them, whose names are shorter and come first."""
+    made = []
+    for kind in sorted(kinds, key=lambda kind: (len(kind), kind)):
+        pairs = enumerate(map(dialect.declared, elements(kind)))
+        made.append(f"typedef struct {{ {' '.join(f'{x}_{i};' for i, x in pairs)} }} {kind};")
+    return made

@@ -20,7 +20,6 @@ class Activity(Kernel):
     Attributes:
         arguments: annotation of each argument by name. arrays: arguments that are arrays.
         varied: local numbers with a tangent.
-        modules: modules whose names `as_is` has qualified.
     """
 
     purpose = "differentiated"
@@ -31,8 +30,6 @@ class Activity(Kernel):
         self.read(left_out=LEFT_OUT)
         self.body = self.body if wanted else _without_value(self.body)
         self.owner: Any = inspect.getmodule(self.python)
-        self.homes = _homes(self.owner)
-        self.modules: set[str] = set()
         self.rounded = ROUNDED.get(kernel, {})
         self.exact: set[ast.AST] = set()
         self.arguments = {a.arg: ast.unparse(a.annotation or a) for a in self.tree.args.args}
@@ -83,29 +80,6 @@ class Activity(Kernel):
         """The kernel that a call calls; None if the called function is not a kernel."""
         found = self.called(node)
         return found if is_kernel(found) else None
-
-    def as_is(self, node: ast.expr) -> str:
-        """Text of an expression with the names of the kernel's module qualified by module."""
-        tree = expression(ast.unparse(node))
-        own = self.owner.__name__.rpartition(".")[2]
-        for name in [n for n in ast.walk(tree) if isinstance(n, ast.Name)]:
-            outside = name.id in self.aliases and not self.is_local(name)
-            if outside and name.id != "math":
-                home = self.homes.get(name.id, own)
-                self.modules.add(home)
-                name.id = f"{home}.{name.id}"
-        return ast.unparse(tree)
-
-
-def _homes(module: Any) -> dict[str, str]:
-    """Module in which each name that a module imports is defined."""
-    tree = ast.parse(inspect.getsource(module))
-    return {
-        alias.name: (node.module or "").rpartition(".")[2]
-        for node in tree.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    }
 
 
 def _without_value(body: list[ast.stmt]) -> list[ast.stmt]:

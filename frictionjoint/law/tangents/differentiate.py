@@ -99,7 +99,7 @@ class Differentiated(Activity):
         if isinstance(node, ast.While) and not node.orelse:
             return [f"while {self._test(node.test)}:", *_indented(self._statements(node.body))]
         if isinstance(node, ast.For) and not node.orelse:
-            head = f"for {ast.unparse(node.target)} in {self.as_is(node.iter)}:"
+            head = f"for {ast.unparse(node.target)} in {ast.unparse(node.iter)}:"
             return [head, *_indented(self._statements(node.body))]
         if isinstance(node, ast.Break | ast.Continue):
             return [ast.unparse(node)]
@@ -124,16 +124,16 @@ class Differentiated(Activity):
             body, orelse = self._assign(target, value.body), self._assign(target, value.orelse)
             return [f"if {self._test(value.test)}:", *_indented(body), "else:", *_indented(orelse)]
         before: list[str] = []
-        place = self.as_is(target)
+        place = ast.unparse(target)
         if isinstance(target, ast.Subscript):
             if self.is_count(target):
-                return [f"{place} = {self.as_is(value)}"]
+                return [f"{place} = {ast.unparse(value)}"]
             new, terms = self._differentiate(value, before)
-            array, index = ast.unparse(target.value), self.as_is(target.slice)
+            array, index = ast.unparse(target.value), ast.unparse(target.slice)
             put = f"put({array}_t, {index}, {combined(terms)})"
             return [*before, put, f"{place} = {text(new)}"]
         if place not in self.varied:
-            return [f"{place} = {self.as_is(value)}"]
+            return [f"{place} = {ast.unparse(value)}"]
         if isinstance(value, ast.Call) and self.kernel_of(value) and self.moves(value):
             call = self._call(value, True, before)
             return [*before, f"{place}, {place}_t = {call}"]
@@ -148,7 +148,7 @@ class Differentiated(Activity):
                 hides = any(self.moves(x) for x in (part.left, *part.comparators))
                 if hides and ast.unparse(part) not in HARMLESS:
                     self.unknown(node)
-        return self.as_is(node)
+        return ast.unparse(node)
 
     # expressions
 
@@ -157,15 +157,15 @@ class Differentiated(Activity):
         `before`.
         """
         if not self.moves(node):
-            return expression(self.as_is(node)), {}
+            return node, {}
         exact = self.exactly(node)
         if exact is not node:
-            return expression(self.as_is(node)), self._differentiate(exact, before)[1]
+            return node, self._differentiate(exact, before)[1]
         if isinstance(node, ast.Name):
             return node, alone(f"{node.id}_t")
         if isinstance(node, ast.Subscript):
-            tangent = f"at({ast.unparse(node.value)}_t, {self.as_is(node.slice)})"
-            return expression(self.as_is(node)), alone(tangent)
+            tangent = f"at({ast.unparse(node.value)}_t, {ast.unparse(node.slice)})"
+            return node, alone(tangent)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
             value, terms = self._differentiate(node.operand, before)
             return ast.UnaryOp(node.op, value), opposite(terms)

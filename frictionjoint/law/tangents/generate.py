@@ -4,55 +4,52 @@ A law is written once, as a scalar kernel. Its source is differentiated here, st
 statement and in forward mode (`frictionjoint.law.tangents.differentiate`).
 """
 
-import types
+import math
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
-from frictionjoint.compiled import define
+from frictionjoint.compiled import compiled, define, in_line
 from frictionjoint.errors import ModelError
 from frictionjoint.law import integrated, memory
 from frictionjoint.law.names import LAWS
-from frictionjoint.law.tangents.differentiate import Differentiated
+from frictionjoint.law.tangents import direction, rules
+from frictionjoint.law.tangents.differentiate import Differentiated, name_of
 
 _RIVAL_STEPS = [import_module(f"frictionjoint.law.{law}").step for law in LAWS[1:]]
 _ROOTS = (integrated.start, integrated.step, memory.make_room, *_RIVAL_STEPS)
+_ADDED = {"math": math, "compiled": compiled, "in_line": in_line, "rules": rules} | {
+    name: vars(direction)[name]
+    for name in ("ZERO", "Tangent", "Tangents", "at", "put", "scaled", "sum2")
+}
 
 
-def source() -> str:
-    """Python text of every law's step, and of all kernels that the steps call, with tangents.
+def _define_steps(made: ModuleType) -> None:
+    """Define every law's step, and all kernels that the steps call, with tangents in a module.
 
     Raises:
         ModelError: a law contains a construct that cannot be differentiated.
     """
-    done: dict[Any, Differentiated] = {}
     ways: dict[Any, tuple[frozenset[str], bool]] = {}
 
     def add(kernel: Any, moving: frozenset[str], wanted: bool) -> None:
-        if ways.setdefault(kernel, (moving, wanted)) != (moving, wanted):
-            raise ModelError(f"{kernel.py_func.__name__} is called in two ways")
-        if kernel not in done:
-            made = Differentiated(kernel, moving, wanted)
-            for callee in made.calls:
-                add(*callee)
-            done[kernel] = made
+        if kernel in ways:
+            if ways[kernel] != (moving, wanted):
+                raise ModelError(f"{kernel.py_func.__name__} is called in two ways")
+            return
+        ways[kernel] = moving, wanted
+        new = Differentiated(kernel, moving, wanted)
+        for callee in new.calls:
+            add(*callee)
+        # the names that the kernel's own source uses, and those that differentiation adds
+        space = vars(new.owner) | vars(made) | _ADDED
+        define(new.source, f"{made.__name__}.{name_of(kernel)}", space)
+        setattr(made, name_of(kernel), space[name_of(kernel)])
 
     for kernel in _ROOTS:
         add(kernel, frozenset(), False)
-    modules = sorted(set().union(*(x.modules for x in done.values())))
-    functions = [made.source for made in done.values()]
-    return _HEAD.format(modules=", ".join(modules)) + "\n\n".join(functions) + "\n"
 
 
-_HEAD = """
-import math
-
-from frictionjoint.arrays import Vector
-from frictionjoint.compiled import compiled, in_line
-from frictionjoint.law import {modules}
-from frictionjoint.law.tangents import rules
-from frictionjoint.law.tangents.direction import ZERO, Tangent, Tangents, at, put, scaled, sum2
-
-"""
-steps: Any = types.ModuleType("frictionjoint.law.tangents.steps")
+steps: Any = ModuleType("frictionjoint.law.tangents.steps")
 """The generated functions."""
-define(source(), steps.__name__, vars(steps))
+_define_steps(steps)
