@@ -9,7 +9,6 @@ import inspect
 from typing import Any
 
 from frictionjoint.law.tangents.particulars import COUNTS, COUNTS_OF, LEFT_OUT, ROUNDED
-from frictionjoint.law.tangents.terms import expression
 from frictionjoint.translate.kernel import Kernel, is_kernel, signature, without_unread
 from frictionjoint.translate.kinds import DOUBLE, NOTHING, REALS
 
@@ -66,7 +65,7 @@ class Activity(Kernel):
         found = self.rounded.get(ast.unparse(node))
         if found is None or node in self.exact:
             return node
-        tree: ast.expr = expression(found)
+        tree = ast.parse(found, mode="eval").body
         # the new expression may contain the old one, which must not be replaced again
         self.exact.update(ast.walk(tree))
         return tree

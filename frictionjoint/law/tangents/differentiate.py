@@ -18,17 +18,9 @@ from typing import Any
 
 from frictionjoint.law.tangents.activity import Activity
 from frictionjoint.law.tangents.particulars import HARMLESS, RULES
-from frictionjoint.law.tangents.terms import (
-    Terms,
-    added,
-    alone,
-    combined,
-    expression,
-    opposite,
-    text,
-    times,
-)
+from frictionjoint.law.tangents.terms import Terms, added, combined, opposite, times
 
+_SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 # derivative of a function with value y at x
 _DERIVATIVES: dict[str, Callable[[str, str], str]] = {
     "math.exp": lambda x, y: y,
@@ -117,7 +109,7 @@ class Differentiated(Activity):
             return [f"if {self._test(value.test)}:", *_indented(body), *orelse]
         before: list[str] = []
         new, terms = self._differentiate(value, before)
-        return [*before, f"return {text(new)}, {combined(terms)}"]
+        return [*before, f"return {new}, {combined(terms)}"]
 
     def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
         if isinstance(value, ast.IfExp) and self.moves(value):
@@ -131,14 +123,14 @@ class Differentiated(Activity):
             new, terms = self._differentiate(value, before)
             array, index = ast.unparse(target.value), ast.unparse(target.slice)
             put = f"put({array}_t, {index}, {combined(terms)})"
-            return [*before, put, f"{place} = {text(new)}"]
+            return [*before, put, f"{place} = {new}"]
         if place not in self.varied:
             return [f"{place} = {ast.unparse(value)}"]
         if isinstance(value, ast.Call) and self.kernel_of(value) and self.moves(value):
             call = self._call(value, True, before)
             return [*before, f"{place}, {place}_t = {call}"]
         new, terms = self._differentiate(value, before)
-        return [*before, f"{place}_t = {combined(terms)}", f"{place} = {text(new)}"]
+        return [*before, f"{place}_t = {combined(terms)}", f"{place} = {new}"]
 
     def _test(self, node: ast.expr) -> str:
         for part in ast.walk(node):
@@ -152,80 +144,74 @@ class Differentiated(Activity):
 
     # expressions
 
-    def _differentiate(self, node: ast.expr, before: list[str]) -> tuple[ast.expr, Terms]:
-        """Value and tangent of an expression; statements that must precede it are added to
-        `before`.
+    def _differentiate(self, node: ast.expr, before: list[str]) -> tuple[str, Terms]:
+        """Source of the value and tangent of an expression; statements that must precede it are
+        added to `before`.
         """
+        source = ast.unparse(node)
         if not self.moves(node):
-            return node, {}
+            return source, {}
         exact = self.exactly(node)
         if exact is not node:
-            return node, self._differentiate(exact, before)[1]
+            return source, self._differentiate(exact, before)[1]
         if isinstance(node, ast.Name):
-            return node, alone(f"{node.id}_t")
+            return source, {f"{source}_t": "1.0"}
         if isinstance(node, ast.Subscript):
-            tangent = f"at({ast.unparse(node.value)}_t, {ast.unparse(node.slice)})"
-            return node, alone(tangent)
+            return source, {f"at({ast.unparse(node.value)}_t, {ast.unparse(node.slice)})": "1.0"}
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
             value, terms = self._differentiate(node.operand, before)
-            return ast.UnaryOp(node.op, value), opposite(terms)
+            return f"-({value})", opposite(terms)
         if isinstance(node, ast.BinOp):
             return self._binary(node, before)
         if isinstance(node, ast.Call):
             return self._function(node, before)
         self.unknown(node)
 
-    def _binary(self, node: ast.BinOp, before: list[str]) -> tuple[ast.expr, Terms]:
+    def _binary(self, node: ast.BinOp, before: list[str]) -> tuple[str, Terms]:
+        if type(node.op) not in _SIGNS:
+            self.unknown(node)
         a, of_a = self._differentiate(node.left, before)
         b, of_b = self._differentiate(node.right, before)
-        value: ast.expr = ast.BinOp(a, node.op, b)
-        by_a: ast.expr
-        by_b: ast.expr
+        value = f"({a}) {_SIGNS[type(node.op)]} ({b})"
         if isinstance(node.op, ast.Add):
             return value, added(of_a, of_b)
         if isinstance(node.op, ast.Sub):
             return value, added(of_a, opposite(of_b))
-        if isinstance(node.op, ast.Mult):
-            by_a, by_b = b, a
-        elif isinstance(node.op, ast.Div):
-            by_a = expression(f"1.0 / ({text(b)})")
-            by_b = expression(f"-({text(value)}) * (1.0 / ({text(b)}))")
+        by_a, by_b = b, a
+        if isinstance(node.op, ast.Div):
+            by_a, by_b = f"1.0 / ({b})", f"-({value}) * (1.0 / ({b}))"
         elif isinstance(node.op, ast.Pow):
             value = self._held(value, before)
-            by_a = expression(f"({text(b)}) * {text(value)} / ({text(a)})")
-            by_b = expression(f"{text(value)} * math.log({text(a)})")
-        else:
-            self.unknown(node)
+            by_a, by_b = f"({b}) * {value} / ({a})", f"{value} * math.log({a})"
         return value, added(times(of_a, by_a), times(of_b, by_b))
 
-    def _function(self, node: ast.Call, before: list[str]) -> tuple[ast.expr, Terms]:
+    def _function(self, node: ast.Call, before: list[str]) -> tuple[str, Terms]:
         if self.kernel_of(node) is not None:
             call, name = self._call(node, True, before), self._new()
             before.append(f"{name}, {name}_t = {call}")
-            return expression(name), alone(f"{name}_t")
+            return name, {f"{name}_t": "1.0"}
         called = ast.unparse(node.func)
         parts = [self._differentiate(argument, before) for argument in node.args]
-        values = [value for value, _ in parts]
         if called in ("min", "max") and len(parts) == 2:
-            return self._extreme(called, parts, before)
+            return self._extreme(node, parts, before)
         if called not in _DERIVATIVES or len(parts) != 1:
             self.unknown(node)
-        y = self._held(ast.Call(node.func, values, []), before)
-        derivative = _DERIVATIVES[called](text(values[0]), text(y))
-        return y, times(parts[0][1], expression(derivative))
+        ((x, terms),) = parts
+        y = self._held(f"{called}({x})", before)
+        return y, times(terms, _DERIVATIVES[called](x, y))
 
     def _extreme(
-        self, called: str, parts: list[tuple[ast.expr, Terms]], before: list[str]
-    ) -> tuple[ast.expr, Terms]:
+        self, node: ast.Call, parts: list[tuple[str, Terms]], before: list[str]
+    ) -> tuple[str, Terms]:
         """The smaller or the larger of two values, chosen by an `if` statement in front."""
-        order = ("<=", ">=") if called == "min" else (">=", "<=")
-        a, b = (text(value) for value, _ in parts)
-        constant = isinstance(parts[0][0], ast.Constant)
+        order = ("<=", ">=") if ast.unparse(node.func) == "min" else (">=", "<=")
+        (a, _), (b, _) = parts
+        constant = isinstance(node.args[0], ast.Constant)
         test = f"{b} {order[1]} {a}" if constant else f"{a} {order[0]} {b}"
         name = self._new()
         for head, (value, terms) in zip((f"if {test}:", "else:"), parts, strict=True):
-            before += [head, f"    {name}, {name}_t = {text(value)}, {combined(terms)}"]
-        return expression(name), alone(f"{name}_t")
+            before += [head, f"    {name}, {name}_t = {value}, {combined(terms)}"]
+        return name, {f"{name}_t": "1.0"}
 
     def _call(self, node: ast.Call, wanted: bool, before: list[str]) -> str:
         """Call of a kernel with tangents."""
@@ -242,7 +228,7 @@ class Differentiated(Activity):
                 arguments += [ast.unparse(argument), f"{ast.unparse(argument)}_t"]
                 continue
             value, terms = self._differentiate(argument, before)
-            arguments.append(text(value))
+            arguments.append(value)
             if f"{name}_t" in taken if taken is not None else self.moves(argument):
                 moving.add(name)
                 arguments.append(combined(terms))
@@ -253,10 +239,10 @@ class Differentiated(Activity):
         self.calls.append((kernel, frozenset(moving), wanted))
         return f"{name_of(kernel)}({', '.join(arguments)})"
 
-    def _held(self, value: ast.expr, before: list[str]) -> ast.expr:
+    def _held(self, value: str, before: list[str]) -> str:
         name = self._new()
-        before.append(f"{name} = {text(value)}")
-        return ast.Name(name, ast.Load())
+        before.append(f"{name} = {value}")
+        return name
 
     def _new(self) -> str:
         self.made += 1
