@@ -50,20 +50,18 @@ def make_ready(model: mujoco.MjModel | ModelView) -> None:
 @external
 def make_ready_in_c(m: Address) -> None:
     """`make_ready` for compiled code, by the address of the model."""
+    make_ready(ModelView(m))
 
 
 @external
 def warn_of_no_room_in_c(m: Address) -> None:
     """`warn_of_no_room` for compiled code, by the address of the model."""
+    warn_of_no_room(m)
 
 
 def bind_python() -> None:
-    """Pass the addresses of `make_ready` and `warn_of_no_room` to compiled code."""
-    prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
-    ready = prototype(lambda address: make_ready(ModelView(address)))
-    for outside, function in (
-        (make_ready_in_c, ready),
-        (warn_of_no_room_in_c, prototype(warn_of_no_room)),
-    ):
+    """Pass the addresses of the functions above to compiled code."""
+    for outside in (make_ready_in_c, warn_of_no_room_in_c):
+        function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(outside.stub)
         _kept.append(function)
         outside.bind(ctypes.cast(function, ctypes.c_void_p).value or 0)
