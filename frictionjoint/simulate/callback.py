@@ -14,7 +14,7 @@ import numpy as np
 from frictionjoint.simulate import motor_demand, native
 from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, data_structure
 from frictionjoint.simulate.resolve_when_stepped import make_ready
-from frictionjoint.simulate.userdata_room import lacks_room, warn_of_no_room
+from frictionjoint.simulate.userdata_room import warn_of_no_room
 
 
 def _field(owner: Any, name: Any) -> Any:
@@ -51,7 +51,7 @@ _IN_PYTHON: dict[str, Any] = {
     **dict.fromkeys(("reals", "shorts", "reals_in", "shorts_in"), _field),
     "wholes_in": _whole,
     "flags": lambda owner, name: _field(owner, name).view(np.bool_),
-    "lacks_room": lacks_room,
+    "lacks_room": lambda model, data: len(data.userdata) < int(model.nuserdata),
     "give_back_projection": _give_back_projection,
     "warn_of_no_room_in_c": lambda model: warn_of_no_room(model._address),
     "make_ready_in_c": make_ready,

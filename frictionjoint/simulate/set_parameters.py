@@ -42,7 +42,7 @@ def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | Joi
     law = parameters.parameters if isinstance(parameters, JointFriction) else parameters
     require_parameters(law, "set_parameters")
     found = resolve(model)
-    write_parameters(model.numeric_data, found[_one_of(found, joint)], parameters, joint)
+    write_parameters(model.numeric_data, found[require_joint(found, joint)], parameters, joint)
 
 
 def write_parameters(
@@ -107,7 +107,7 @@ def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None)
     """
     require_data(data, model, "forget")
     found = resolve(model)
-    for name in found if joint is None else [_one_of(found, joint)]:
+    for name in found if joint is None else [require_joint(found, joint)]:
         block = model.numeric_data[found[name] :]
         row = int(block[ROW])
         size = rows_of_block(block[: HEAD + int(block[COUNT])])
@@ -116,7 +116,8 @@ def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None)
         data.userdata[row + FRONT : row + size] = 0.0
 
 
-def _one_of(found: dict[str, int], joint: str) -> str:
+def require_joint(found: dict[str, int], joint: str) -> str:
+    """The name of a joint; ModelError if it is none of those with friction."""
     if joint not in found:
         raise ModelError(
             f"joint {joint!r} has no friction: choose from {', '.join(found) or 'none'}"

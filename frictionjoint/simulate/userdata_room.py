@@ -3,7 +3,7 @@
 ``MjSpec.attach`` and MJCF's ``<attach>`` keep the parameters that a child model carries and drop
 its ``nuserdata``. So a compiled model that lacks room gets it: MuJoCo lays out the next
 ``mujoco.MjData(model)`` by the model's ``nuserdata``. Data made before have too little, and the
-callback leaves them alone (`lacks_room`); MuJoCo itself refuses to copy between the two.
+callback leaves them alone (`native.lacks_room`); MuJoCo itself refuses to copy between the two.
 """
 
 import warnings
@@ -35,11 +35,6 @@ def make_room(model: mujoco.MjModel, need: int) -> None:
         )
     model_structure().from_address(model._address).nuserdata = own + need
     _warned.discard(model._address)
-
-
-def lacks_room(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
-    """Whether data were made before their model got room for friction."""
-    return len(data.userdata) < int(model.nuserdata)
 
 
 def warn_of_no_room(address: int) -> None:

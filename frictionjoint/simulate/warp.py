@@ -19,6 +19,7 @@ from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.idle_warning import callback_is_off
+from frictionjoint.simulate.set_parameters import require_joint
 from frictionjoint.simulate.shaft_wave import wave_losses
 from frictionjoint.simulate.warp_layout import Layout
 
@@ -156,12 +157,8 @@ class WarpFriction:
             ModelError: no friction on that joint, another number of worlds, another law, another
                 number of knots or other effects.
         """
-        if joint not in self.joints:
-            raise ModelError(
-                f"joint {joint!r} has no friction: choose from {', '.join(self.joints)}"
-            )
         made, nworld = self._layout, self._data.nworld
-        at = self.joints.index(joint)
+        at = self.joints.index(require_joint(self.joint_rows, joint))
         rows = self.parameters.numpy()
         each = list(parameters) if isinstance(parameters, Sequence) else [parameters]
         if isinstance(parameters, Sequence):
