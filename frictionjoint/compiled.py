@@ -9,7 +9,7 @@ in: slow, and every line can be stepped through. So does a kernel outside this p
 
 A kernel is a function of annotated arguments: ``float``, ``int``, ``bool``, ``Vector`` (float64 by
 one index), ``Array`` (float64 by as many indices as the kernel uses), ``Index`` (int64),
-``NDArray[np.bool_]``, ``Tangent`` and ``Tangents``. It returns one number, a tuple of numbers, or
+``NDArray[np.bool_]`` and ``Tangent``. It returns one number, a tuple of numbers, or
 nothing. Arrays lie in memory without gaps, row by row. Within it there may be
 
 * assignments of numbers and tuples, also ``+=``; ``if``, ``while``, ``for ... in range(...)``,
@@ -111,9 +111,9 @@ class External(Generic[_Arguments, _Result]):
         self.stub, self.name = stub, stub.__name__
         functools.update_wrapper(self, stub)
 
-    def bind(self, address: int) -> None:
-        """Set the function's address; required before a kernel that calls the function runs."""
-        ctypes.c_void_p.in_dll(load().shared, f"fj_{self.name}").value = address
+    def bind(self, function: Any) -> None:
+        """Set the C function; required before a kernel that calls it runs."""
+        ctypes.c_void_p.in_dll(load().shared, f"fj_{self.name}").value = c_address(function)
 
     def __call__(self, *arguments: _Arguments.args, **keywords: _Arguments.kwargs) -> _Result:
         return self.stub(*arguments, **keywords)
@@ -125,8 +125,12 @@ external = External
 def entry_point(kernel: Any) -> int:
     """Address of a kernel of pointers and numbers as a C function."""
     entry = load(_name(kernel.py_func)).entries[_name(kernel.py_func)]
-    function = getattr(load().shared, entry.symbol)
-    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
+    return c_address(getattr(load().shared, entry.symbol))
+
+
+def c_address(function: Any) -> int:
+    """Address of a C function."""
+    return ctypes.cast(function, ctypes.c_void_p).value or 0
 
 
 def _name(function: Any) -> str:

@@ -5,7 +5,6 @@ once, however many models are attached. A callback that was there before is call
 evaluation, and is restored when the last hold ends.
 """
 
-import ctypes
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from typing import Any, Literal, cast
 
 import mujoco
 
-from frictionjoint.compiled import PLAIN
+from frictionjoint.compiled import PLAIN, c_address
 from frictionjoint.errors import ModelError
 from frictionjoint.model_files import is_c
 from frictionjoint.simulate.callback import python_callback
@@ -118,7 +117,7 @@ def _in_turn(first: Any, kernel: Any) -> Any:
     if first is None:
         return kernel
     if is_c(first) and kernel is not python_callback and _is_free(first):
-        return build_both(_address(first))
+        return build_both(first)
     calls = tuple(map(_from_python, (first, kernel)))
 
     def both(model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -128,18 +127,14 @@ def _in_turn(first: Any, kernel: Any) -> Any:
     return both
 
 
-def _address(callback: Any) -> int:
-    return int(ctypes.cast(callback, ctypes.c_void_p).value or 0)
-
-
 def _from_python(callback: Any) -> Callable[[mujoco.MjModel, mujoco.MjData], None]:
     if not is_c(callback):
         return cast("Callable[[mujoco.MjModel, mujoco.MjData], None]", callback)
-    function = CALLBACK(_address(callback))
+    function = CALLBACK(c_address(callback))
     return lambda model, data: function(model._address, data._address)
 
 
 def _is_free(first: Any) -> bool:
     """Whether C can call this callback first; it supports one user callback at a time."""
     others = (hold.first for hold in _holds if hold.first is not None and is_c(hold.first))
-    return all(_address(other) == _address(first) for other in others)
+    return all(c_address(other) == c_address(first) for other in others)

@@ -200,8 +200,8 @@ def both(m: Address, d: Address) -> None:
     native(m, d)
 
 
-def build_both(first: int) -> Any:
-    """The callback `both` with the address of a user's callback, one for the process."""
+def build_both(first: Any) -> Any:
+    """The callback `both` with a user's C callback, one for the process."""
     build_native()
     first_callback.bind(first)
     return CALLBACK(entry_point(both))

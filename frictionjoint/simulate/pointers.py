@@ -112,5 +112,4 @@ def bind_mujoco() -> None:
     file = next(f for f in names if "libmujoco" in f or f == "mujoco.dll")
     library = ctypes.CDLL(os.path.join(folder, file))
     for function in [x for x in globals().values() if isinstance(x, External)]:
-        found = ctypes.cast(getattr(library, function.name), ctypes.c_void_p).value
-        function.bind(found or 0)
+        function.bind(getattr(library, function.name))

@@ -64,4 +64,4 @@ def bind_python() -> None:
     for outside in (make_ready_in_c, warn_of_no_room_in_c):
         function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(outside.stub)
         _kept.append(function)
-        outside.bind(ctypes.cast(function, ctypes.c_void_p).value or 0)
+        outside.bind(function)

@@ -10,7 +10,7 @@ import numpy as np
 
 from frictionjoint.compiled import External, Table, elements, is_tuple, pointer
 from frictionjoint.translate.kernel import Kernel, built_in, is_kernel, is_shape, place, signature
-from frictionjoint.translate.kinds import DOUBLE, REALS, WHOLE, Dialect, row_of
+from frictionjoint.translate.kinds import DOUBLE, REALS, WHOLE, Dialect
 
 # precedence of operators
 _CHOICE, _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _UNARY, _ATOM = range(8)
@@ -60,7 +60,6 @@ class Expressions(Kernel):
     """Expressions of one kernel.
 
     Attributes:
-        rows: length of a row of each array parameter, if its annotation states it.
         written: arrays that the kernel writes to; of a complete kernel, parameters alone.
         axes: axes of array parameters whose lengths the kernel requires.
         lengths: C text of the length of each local array.
@@ -72,7 +71,6 @@ class Expressions(Kernel):
         super().__init__(function)
         self.gathered, self.dialect = gathered, gathered.dialect
         gathered.structures.update(self.structures)
-        self.rows = {a.arg: row_of(a.annotation, self.aliases) for a in self.tree.args.args}
         self.written: set[str] = set()
         self.axes: dict[str, set[int]] = {}
         self.lengths: dict[str, str] = {}
@@ -117,8 +115,6 @@ class Expressions(Kernel):
             self.unknown(node)
         if node.id in self.same:
             return self.length(self.same[node.id], axis)
-        if axis == 1 and self.rows.get(node.id):
-            return str(self.rows[node.id])
         if node.id in self.parameters and node.id not in self.roots:
             self.axes.setdefault(node.id, set()).add(axis)
             return f"{safe(node.id)}_n{axis}"

@@ -81,9 +81,6 @@ def kind_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> str | None:
     if isinstance(annotation, ast.Name):
         if hasattr(aliases.get(text), "_fields"):
             return structure_of(aliases[text])
-        size = row_of(annotation, aliases)
-        if size:
-            return REALS
         alias = getattr(aliases.get(text), "__args__", None)
         if alias and all(part is float for part in alias):
             return tuple_of([DOUBLE] * len(alias))
@@ -114,14 +111,6 @@ def fields_of(named: Any) -> dict[str, str]:
                 raise ValueError(f"{named.__name__}: no kind for {ast.unparse(node)}")
             found[ast.unparse(node.target)] = kind
     return found
-
-
-def row_of(annotation: ast.expr | None, aliases: dict[str, Any]) -> int:
-    """Length of a row, if an annotation states it, as ``Annotated[Array, "rows of", 6]``."""
-    if not isinstance(annotation, ast.Name):
-        return 0
-    said: tuple[Any, ...] = getattr(aliases.get(annotation.id), "__metadata__", ())
-    return int(said[1]) if len(said) == 2 and said[0] == "rows of" else 0
 
 
 def tuple_of(kinds: Iterable[str]) -> str:

@@ -7,7 +7,7 @@ from frictionjoint.compiled import PLAIN, compiled
 from frictionjoint.law import bristle, memory
 from frictionjoint.law import kernel as laws
 from frictionjoint.law.memory import FH
-from frictionjoint.law.tangents.direction import DIRECTIONS, ZERO, Tangents, put
+from frictionjoint.law.tangents.direction import DIRECTIONS, ZERO, put
 
 if PLAIN:
     from frictionjoint.law.tangents.generate import steps
@@ -16,7 +16,7 @@ else:
 
 
 @compiled
-def _step(P: Vector, P_t: Tangents, X: Vector, X_t: Tangents, dq: float, dt: float) -> None:
+def _step(P: Vector, P_t: Vector, X: Vector, X_t: Vector, dq: float, dt: float) -> None:
     """Step of the law with the number P[0] from the state X, which becomes that after the step."""
     v = dq / dt
     if P[0] == laws.INTEGRATED:
@@ -41,7 +41,7 @@ def _step(P: Vector, P_t: Tangents, X: Vector, X_t: Tangents, dq: float, dt: flo
 @compiled
 def _drive(
     P: Vector,
-    P_t: Tangents,
+    P_t: Vector,
     time: Vector,
     position: Vector,
     edges: Index,
@@ -50,7 +50,7 @@ def _drive(
     rate: Vector,
     rate_t: Array,
     X: Vector,
-    X_t: Tangents,
+    X_t: Vector,
 ) -> None:
     """`motion.drive_motions` with the tangents of H and of `rate`; X, X_t: room for the state."""
     slip = memory.RATE if P[0] == laws.INTEGRATED else bristle.RATE
@@ -70,7 +70,7 @@ def _drive(
             _step(P, P_t, X, X_t, dq, time[k] - time[k - 1])
             H[k], rate[k] = X[FH], X[slip]
             for i in range(len(H_t)):
-                H_t[i, k], rate_t[i, k] = X_t[FH, i], X_t[slip, i]
+                H_t[i, k], rate_t[i, k] = X_t[DIRECTIONS * FH + i], X_t[DIRECTIONS * slip + i]
 
 
 def driven_with_tangents(
@@ -92,10 +92,10 @@ def driven_with_tangents(
     H, rate = np.empty_like(position), np.empty_like(position)
     H_t, rate_t = np.empty((2, len(P_t), len(position)))
     X = np.empty(laws.row_size(P, 0))
-    X_t = np.empty((len(X), DIRECTIONS))
+    X_t = np.empty(len(X) * DIRECTIONS)
     for first in range(0, len(P_t), DIRECTIONS):
         some = slice(first, first + DIRECTIONS)
         block_t = np.zeros((len(P), DIRECTIONS))
         block_t[:, : len(P_t[some])] = P_t[some].T
-        _drive(P, block_t, time, position, edges, H, H_t[some], rate, rate_t[some], X, X_t)
+        _drive(P, block_t.ravel(), time, position, edges, H, H_t[some], rate, rate_t[some], X, X_t)
     return H, rate, H_t, rate_t

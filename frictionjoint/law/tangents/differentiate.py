@@ -68,7 +68,7 @@ class Differentiated(Activity):
         for name, kind in self.arguments.items():
             arguments.append(f"{name}: {kind}")
             if name in self.arrays:
-                arguments.append(f"{name}_t: Tangents")
+                arguments.append(f"{name}_t: Vector")
             elif name in moving:
                 arguments.append(f"{name}_t: Tangent")
         returned = "tuple[float, Tangent]" if self.wanted else "None"

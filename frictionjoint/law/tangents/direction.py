@@ -7,28 +7,28 @@ motion then evaluates exponentials and branches once for all directions.
 The functions below are the operations that `frictionjoint.law.tangents.generate` uses.
 """
 
-from typing import Annotated, TypeAlias
+from typing import TypeAlias
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Vector
 from frictionjoint.compiled import in_line
 
 Tangent: TypeAlias = tuple[float, float, float, float, float, float]
 ZERO: Tangent = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 DIRECTIONS = len(ZERO)
-# tangents of an array, shape (its length, DIRECTIONS)
-Tangents: TypeAlias = Annotated[Array, "rows of", DIRECTIONS]
 
 
 @in_line
-def at(X_t: Tangents, i: int) -> Tangent:
-    """Tangent of X[i]."""
-    return (X_t[i, 0], X_t[i, 1], X_t[i, 2], X_t[i, 3], X_t[i, 4], X_t[i, 5])
+def at(X_t: Vector, i: int) -> Tangent:
+    """Tangent of X[i]; those of an array stand one behind the other."""
+    k = DIRECTIONS * i
+    return (X_t[k], X_t[k + 1], X_t[k + 2], X_t[k + 3], X_t[k + 4], X_t[k + 5])
 
 
 @in_line
-def put(X_t: Tangents, i: int, x: Tangent) -> None:
+def put(X_t: Vector, i: int, x: Tangent) -> None:
     """Set the tangent of X[i]."""
-    X_t[i, 0], X_t[i, 1], X_t[i, 2], X_t[i, 3], X_t[i, 4], X_t[i, 5] = x
+    k = DIRECTIONS * i
+    X_t[k], X_t[k + 1], X_t[k + 2], X_t[k + 3], X_t[k + 4], X_t[k + 5] = x
 
 
 @in_line

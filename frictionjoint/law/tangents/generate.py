@@ -19,8 +19,7 @@ from frictionjoint.law.tangents.differentiate import Differentiated, name_of
 _RIVAL_STEPS = [import_module(f"frictionjoint.law.{law}").step for law in LAWS[1:]]
 _ROOTS = (integrated.start, integrated.step, memory.make_room, *_RIVAL_STEPS)
 _ADDED = {"math": math, "compiled": compiled, "in_line": in_line, "rules": rules} | {
-    name: vars(direction)[name]
-    for name in ("ZERO", "Tangent", "Tangents", "at", "put", "scaled", "sum2")
+    name: vars(direction)[name] for name in ("ZERO", "Tangent", "at", "put", "scaled", "sum2")
 }
 
 

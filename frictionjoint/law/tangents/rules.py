@@ -15,12 +15,12 @@ from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import dahl, relaxation
 from frictionjoint.law.stribeck import DELTA, FC, FS, VS, ZERO
 from frictionjoint.law.tangents.direction import ZERO as STILL
-from frictionjoint.law.tangents.direction import Tangent, Tangents, at, scaled, sum2
+from frictionjoint.law.tangents.direction import Tangent, at, scaled, sum2
 
 
 @in_line
 def stribeck_level(
-    P: Vector, P_t: Tangents, d: int, speed: float, speed_t: Tangent
+    P: Vector, P_t: Vector, d: int, speed: float, speed_t: Tangent
 ) -> tuple[float, Tangent]:
     """Stribeck level |S(v)| and its tangent."""
     if speed == 0.0:
