@@ -13,7 +13,7 @@ one index), ``Array`` (float64 by as many indices as the kernel uses), ``Index``
 nothing. Arrays lie in memory without gaps, row by row. Within it there may be
 
 * assignments of numbers and tuples, also ``+=``; ``if``, ``while``, ``for ... in range(...)``,
-  ``for`` over a constant tuple, ``break``, ``continue``, ``return``;
+  ``break``, ``continue``, ``return``;
 * arithmetic, comparisons, ``and``, ``or``, ``not``, ``a if b else c``, ``&`` and ``>>`` of whole
   numbers, ``abs``, ``min`` and ``max`` of two, ``int``, ``float``, ``bool``, ``len``,
   ``x.shape[k]``;

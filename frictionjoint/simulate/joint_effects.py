@@ -81,8 +81,8 @@ def asks_for_load(P: Vector, effects: int) -> int:
     """Index of the first effect of the block at P[effects] that depends on the load, or -1."""
     at = effects + 1
     for i in range(int(P[effects])):
-        for known in _LOADED:
-            if P[at] == known:
+        for k in range(len(_LOADED)):
+            if P[at] == _LOADED[k]:
                 return i
         at += 2 + int(P[at + 1])
     return -1

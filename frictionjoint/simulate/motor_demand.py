@@ -41,8 +41,8 @@ def gives_less(P: Vector, effects: int) -> bool:
     """Whether the block at P[effects] contains `motor-saturation` or `motor-temperature`."""
     at = effects + 1
     for _ in range(int(P[effects])):
-        for known in _IDS:
-            if P[at] == known:
+        for k in range(len(_IDS)):
+            if P[at] == _IDS[k]:
                 return True
         at += 2 + int(P[at + 1])
     return False

@@ -71,8 +71,9 @@ def lacks_room(m: Address, d: Address) -> bool:
 def give_back_projection(d: Address) -> None:
     """Free the projection of the constraints made before, which is the last in the arena."""
     lowest = 0
-    for which in _D_PROJECTED:
-        begin = int(wholes_in(d, AT[which])[0]) if AT[which] != 0 else 0
+    for k in range(len(_D_PROJECTED)):
+        at = AT[_D_PROJECTED[k]]
+        begin = int(wholes_in(d, at)[0]) if at != 0 else 0
         if begin != 0 and (lowest == 0 or begin < lowest):
             lowest = begin
     if lowest != 0:

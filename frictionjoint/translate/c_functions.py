@@ -16,6 +16,7 @@ from frictionjoint.translate.c_expressions import Expressions, Gathered, safe
 from frictionjoint.translate.c_math import helpers_of
 from frictionjoint.translate.kernel import Known, signature
 from frictionjoint.translate.kinds import (
+    DOUBLE,
     HEADER,
     NOTHING,
     POINTERS,
@@ -81,7 +82,7 @@ class Translation:
                 *helpers_of(gathered.helpers, gathered.dialect),
                 *([tuples] if tuples else []),
                 *structures,
-                *_constants(gathered.constants),
+                *_constants(gathered.constants, gathered.dialect),
                 *_from_outside(gathered),
                 *self._texts,
             ]
@@ -195,10 +196,8 @@ class _Function(Expressions):
         # in C a counter exists only within its loop
         if not isinstance(counter, ast.Name) or counter.id in self.declared:
             self.unknown(node)
-        if not isinstance(node.iter, ast.Call):
-            return self._over_constants(node, counter.id, after)
         call = node.iter
-        if ast.unparse(call.func) != "range" or len(call.args) > 3:
+        if not isinstance(call, ast.Call) or ast.unparse(call.func) != "range":
             self.unknown(node)
         whole, name = self.dialect.whole, safe(counter.id)
         bounds = ["0", *map(self.text, call.args[:2])][-2:]
@@ -214,14 +213,6 @@ class _Function(Expressions):
         if any(isinstance(n, ast.Call | ast.Subscript) for n in ast.walk(bound)):
             return False
         return not names_in(bound) & stored_in(ast.Module(body, []))
-
-    def _over_constants(self, node: ast.For, name: str, after: set[str]) -> list[str]:
-        array, place = self.array_of(node.iter), f"{name}_at"
-        whole, count = self.dialect.whole, len(self.look_up(node.iter))
-        head = f"for ({whole} {place} = 0; {place} < {count}; {place}++) {{"
-        kind = self.dialect.declared(self.kinds[name])
-        inner = self._inner(node.body, after, name)
-        return [head, f"    {kind}{safe(name)} = {array}[{place}];", *inner, "}"]
 
     # assignments
 
@@ -278,7 +269,9 @@ class _Function(Expressions):
         ]
 
 
-def _constants(values: Mapping[str, int | float | tuple[float, ...]]) -> list[str]:
+def _constants(
+    values: Mapping[str, int | float | tuple[float, ...]], dialect: Dialect
+) -> list[str]:
     """Definitions of the modules' constants, by kind."""
     whole = [f"{name}{_GLUE}={_GLUE}{int(x)}" for name, x in values.items() if isinstance(x, int)]
     made = [f"#define {name} {x!r}" for name, x in values.items() if isinstance(x, float)]
@@ -288,8 +281,9 @@ def _constants(values: Mapping[str, int | float | tuple[float, ...]]) -> list[st
         blocks.append(f"enum {{\n{inner}\n}};")
     for name, value in values.items():
         if isinstance(value, tuple):
-            numbers = ", ".join(repr(float(x)) for x in value)
-            blocks.append(_wrapped(f"static const double {name}[{len(value)}] = {{{numbers}}};"))
+            kind = DOUBLE if any(isinstance(x, float) for x in value) else dialect.whole
+            numbers = ", ".join(map(repr, value))
+            blocks.append(_wrapped(f"static const {kind} {name}[{len(value)}] = {{{numbers}}};"))
     return blocks
 
 

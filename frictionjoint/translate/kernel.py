@@ -216,9 +216,7 @@ class Kernel:
                 pairs += [(each, i, value) for i, each in enumerate(many)] or [(to, -1, value)]
             elif isinstance(node, ast.For) and isinstance(node.target, ast.Name):
                 self.counters.add(node.target.id)
-                of_range = isinstance(node.iter, ast.Call)
-                real = not of_range and any(isinstance(x, float) for x in self.look_up(node.iter))
-                self.kinds.setdefault(node.target.id, DOUBLE if real else WHOLE)
+                self.kinds.setdefault(node.target.id, WHOLE)
         own = set(self.kinds)
         for _ in pairs:
             before = dict(self.kinds)
