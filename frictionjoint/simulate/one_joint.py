@@ -261,7 +261,8 @@ def _unbalanced(given: _Given, X: Vector, q: float, d: float, asked: float) -> f
     bias = _load_torque(given.load, given.body, 0, q, c, s)
     F = 0.0
     for turn in range(2):
-        t, x = (-1.0 - h, q - d) if turn == 0 else (-h, q)
+        t = -1.0 - h if turn == 0 else -h
+        x = q - d if turn == 0 else q
         F = torque_now(P, 0, effects, X, 0, t, x, 0.0, 0.0)
         if P[effects] > 0.0:
             F += _effects(given, X, 0, t, x, 0.0, bias, c, s, asked)

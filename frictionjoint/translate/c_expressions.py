@@ -167,9 +167,6 @@ class Expressions(Kernel):
             wanted = elements(kind)
             texts = [self.as_kind(x, k) for x, k in zip(node.elts, wanted, strict=True)]
             return self._literal(kind, texts, node)
-        if isinstance(node, ast.IfExp):
-            texts = [self.as_kind(x, kind) for x in (node.body, node.orelse)]
-            return f"({self.text(node.test, _OR)} ? {texts[0]} : {texts[1]})"
         if self.kind(node) != kind:
             self.unknown(node)
         return self.text(node)
@@ -196,18 +193,11 @@ class Expressions(Kernel):
         if isinstance(value, Table):
             self.gathered.tables[value.name] = value
             return f"fj_{value.name}[{self.text(node.slice)}]"
-        if isinstance(node.slice, ast.Constant):
-            return self.number(value[node.slice.value], node)
-        return f"{self.array_of(node.value)}[{self.text(node.slice)}]"
-
-    def array_of(self, node: ast.expr) -> str:
-        """C name of the array for a constant tuple of a module."""
-        value = self.look_up(node)
         if isinstance(value, np.ndarray) and value.ndim == 1:
             value = tuple(float(x) for x in value)
         if not isinstance(value, tuple):
             self.unknown(node)
-        return self._named(node, value)
+        return f"{self._named(node.value, value)}[{self.text(node.slice)}]"
 
     def _binary(self, node: ast.BinOp) -> tuple[str, int]:
         if isinstance(node.op, ast.Pow):
