@@ -62,7 +62,6 @@ class Expressions(Kernel):
     Attributes:
         written: arrays that the kernel writes to; of a complete kernel, parameters alone.
         axes: axes of array parameters whose lengths the kernel requires.
-        lengths: C text of the length of each local array.
         roots: the array that each local pointer points into.
         same: the expression that each other local array name stands for.
     """
@@ -73,7 +72,6 @@ class Expressions(Kernel):
         gathered.structures.update(self.structures)
         self.written: set[str] = set()
         self.axes: dict[str, set[int]] = {}
-        self.lengths: dict[str, str] = {}
         self.roots: dict[str, str] = {}
         self.same: dict[str, ast.expr] = {}
 
@@ -118,8 +116,6 @@ class Expressions(Kernel):
         if node.id in self.parameters and node.id not in self.roots:
             self.axes.setdefault(node.id, set()).add(axis)
             return f"{safe(node.id)}_n{axis}"
-        if axis == 0 and node.id in self.lengths:
-            return self.lengths[node.id]
         self.unknown(node)
 
     def _expression(self, node: ast.expr) -> tuple[str, int]:
@@ -148,15 +144,11 @@ class Expressions(Kernel):
         if isinstance(node, ast.IfExp):
             test, a, b = (self.text(n, _OR) for n in (node.test, node.body, node.orelse))
             return f"{test} ? {a} : {b}", _CHOICE
-        if isinstance(node, ast.Tuple):
-            return self._literal(self.kind(node), map(self.text, node.elts), node), _ATOM
         if isinstance(node, ast.Call):
             return self._call(node), _ATOM
         self.unknown(node)
 
-    def _literal(self, kind: str | None, texts: Any, node: ast.AST) -> str:
-        if kind is None:
-            self.unknown(node)
+    def _literal(self, kind: str, texts: list[str]) -> str:
         return f"({self.noted(kind)}){{ {', '.join(texts)} }}"
 
     def as_kind(self, node: ast.expr, kind: str) -> str:
@@ -166,7 +158,7 @@ class Expressions(Kernel):
         if isinstance(node, ast.Tuple):
             wanted = elements(kind)
             texts = [self.as_kind(x, k) for x, k in zip(node.elts, wanted, strict=True)]
-            return self._literal(kind, texts, node)
+            return self._literal(kind, texts)
         if self.kind(node) != kind:
             self.unknown(node)
         return self.text(node)
@@ -299,7 +291,7 @@ class Expressions(Kernel):
             value = value.item()
         if isinstance(value, tuple):
             texts = [self.number(x, node) for x in value]
-            return self._literal(self._kind_of_constant(node), texts, node)
+            return self._literal(self._kind_of_constant(node), texts)
         module = self.python.__module__
         if isinstance(node, ast.Attribute):
             module = self.look_up(node.value).__name__

@@ -258,10 +258,8 @@ class _Function(Expressions):
         text = self.text(size)
         calls = any(isinstance(n, ast.Call) for n in ast.walk(size))
         if not calls and not names_in(size) & (self.locals | set(self.parameters)):
-            self.lengths[name] = text
             return [f"double {name}[{text}] = {{0}};"]
         count = f"{name}_n0"
-        self.lengths[name] = count
         return [
             f"{self.dialect.whole} {count} = {text};",
             f"double {name}[{count} > 0 ? {count} : 1];",

@@ -148,9 +148,6 @@ class Kernel:
             if isinstance(node.op, ast.Div | ast.Pow):
                 return DOUBLE
             return self.wider(node.left, node.right)
-        if isinstance(node, ast.Tuple):
-            kinds = [self.kind(x) for x in node.elts]
-            return tuple_of(k for k in kinds if k) if all(kinds) else None
         if isinstance(node, ast.Call):
             return self._kind_of_call(node)
         self.unknown(node)

@@ -218,8 +218,6 @@ class _Function(Kernel):
             return pairs[0] if len(pairs) == 1 else ast.BoolOp(ast.And(), pairs)
         if isinstance(node, ast.IfExp):
             return self._as_kind(node, self.kind(node))
-        if isinstance(node, ast.Tuple):
-            return ast.Tuple([self._visit(part) for part in node.elts], ast.Load())
         if isinstance(node, ast.Call):
             return self._call(node)
         self.unknown(node)
