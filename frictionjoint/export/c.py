@@ -141,7 +141,7 @@ def _law_labels(parameters: Friction, block: Array) -> list[str]:
         knots = int(block[len(head)])
         of_knots = [f"{x} of knot {i}" for i in range(knots) for x in ("z", "F", "slope")]
         return [*head, "knots", *of_knots]
-    own: Iterable[str] = getattr(parameters, "own", ())
+    own: Iterable[str] = parameters.own
     if isinstance(parameters, MaxwellSlipParameters):
         pairs = range(len(parameters.elements))
         own = ["C", "elements", *(f"{x}[{i}]" for i in pairs for x in ("k", "share"))]
