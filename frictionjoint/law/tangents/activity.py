@@ -27,7 +27,9 @@ class Activity(Kernel):
         """Analyse a kernel; for the arguments see `differentiate.Differentiated`."""
         super().__init__(kernel)
         self.read(left_out=LEFT_OUT)
-        self.body = self.body if wanted else _without_value(self.body)
+        if not wanted:
+            body = self.body[:-1] if isinstance(self.body[-1], ast.Return) else self.body
+            self.body = without_unread(self._without_value(body))
         self.owner: Any = inspect.getmodule(self.python)
         self.rounded = ROUNDED.get(kernel, {})
         self.exact: set[ast.AST] = set()
@@ -75,18 +77,29 @@ class Activity(Kernel):
         names = {n.id for n in ast.walk(node.slice) if isinstance(n, ast.Name)}
         return any(count <= names for count in COUNTS + COUNTS_OF.get(self.owner, ()))
 
+    def _without_value(self, body: list[ast.stmt]) -> list[ast.stmt]:
+        """A body that returns nothing; of returned values, calls that write to arrays stay."""
+        kept: list[ast.stmt] = []
+        for node in body:
+            if isinstance(node, ast.If | ast.While | ast.For):
+                node.body, node.orelse = map(self._without_value, (node.body, node.orelse))
+            elif isinstance(node, ast.Return):
+                if isinstance(node.value, ast.Call) and self._writes(node.value):
+                    kept.append(ast.Expr(node.value))
+                node = ast.Return()
+            kept.append(node)
+        return kept
+
+    def _writes(self, node: ast.Call) -> bool:
+        """Whether a call is of a kernel that sets elements of arrays."""
+        kernel = self.kernel_of(node)
+        nodes = ast.walk(signature(kernel).tree) if kernel else ()
+        return any(isinstance(n, ast.Subscript) and isinstance(n.ctx, ast.Store) for n in nodes)
+
     def kernel_of(self, node: ast.Call) -> Any:
         """The kernel that a call calls; None if the called function is not a kernel."""
         found = self.called(node)
         return found if is_kernel(found) else None
-
-
-def _without_value(body: list[ast.stmt]) -> list[ast.stmt]:
-    """A body without its return value and without statements that only compute this value."""
-    for node in (n for statement in body for n in ast.walk(statement)):
-        if isinstance(node, ast.Return):
-            node.value = None
-    return without_unread(body[:-1] if isinstance(body[-1], ast.Return) else body)
 
 
 def _parts(node: ast.expr) -> list[ast.expr]:

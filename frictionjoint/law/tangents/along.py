@@ -16,29 +16,6 @@ else:
 
 
 @compiled
-def _step(P: Vector, P_t: Vector, X: Vector, X_t: Vector, dq: float, dt: float) -> None:
-    """Step of the law with the number P[0] from the state X, which becomes that after the step."""
-    v = dq / dt
-    if P[0] == laws.INTEGRATED:
-        steps.integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dt, v)
-        steps.memory_make_room(X, X_t, 0, memory.HEADER)
-    elif P[0] == laws.STATIC:
-        steps.static_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
-    elif P[0] == laws.ARMSTRONG:
-        steps.armstrong_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
-    elif P[0] == laws.DAHL:
-        steps.dahl_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
-    elif P[0] == laws.DAHL_STRIBECK:
-        steps.dahl_stribeck_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
-    elif P[0] == laws.LUGRE:
-        steps.lugre_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
-    elif P[0] == laws.ELASTOPLASTIC:
-        steps.elastoplastic_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
-    else:
-        steps.maxwell_slip_step(P, P_t, 1, X, X_t, 0, 0, dq, dt, v)
-
-
-@compiled
 def _drive(
     P: Vector,
     P_t: Vector,
@@ -67,7 +44,12 @@ def _drive(
             H_t[i, first], rate_t[i, first] = 0.0, 0.0
         for k in range(first + 1, edges[j + 1]):
             dq = position[k] - position[k - 1]
-            _step(P, P_t, X, X_t, dq, time[k] - time[k - 1])
+            dt = time[k] - time[k - 1]
+            if P[0] == laws.INTEGRATED:
+                steps.integrated_step(P, P_t, 1, X, X_t, 0, 0, memory.HEADER, dq, dt, dq / dt)
+                steps.memory_make_room(X, X_t, 0, memory.HEADER)
+            else:
+                steps.kernel_step_rival(P, P_t, 0, X, X_t, 0, 0, dq, dt, dq / dt)
             H[k], rate[k] = X[FH], X[slip]
             for i in range(len(H_t)):
                 H_t[i, k], rate_t[i, k] = X_t[DIRECTIONS * FH + i], X_t[DIRECTIONS * slip + i]

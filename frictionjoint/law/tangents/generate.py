@@ -5,19 +5,16 @@ statement and in forward mode (`frictionjoint.law.tangents.differentiate`).
 """
 
 import math
-from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 from frictionjoint.compiled import compiled, define, in_line
 from frictionjoint.errors import ModelError
-from frictionjoint.law import integrated, memory
-from frictionjoint.law.names import LAWS
+from frictionjoint.law import integrated, kernel, memory
 from frictionjoint.law.tangents import direction, rules
 from frictionjoint.law.tangents.differentiate import Differentiated, name_of
 
-_RIVAL_STEPS = [import_module(f"frictionjoint.law.{law}").step for law in LAWS[1:]]
-_ROOTS = (integrated.start, integrated.step, memory.make_room, *_RIVAL_STEPS)
+_ROOTS = (integrated.start, integrated.step, memory.make_room, kernel.step_rival)
 _ADDED = {"math": math, "compiled": compiled, "in_line": in_line, "rules": rules} | {
     name: vars(direction)[name] for name in ("ZERO", "Tangent", "at", "put", "scaled", "sum2")
 }
@@ -45,8 +42,8 @@ def _define_steps(made: ModuleType) -> None:
         define(new.source, f"{made.__name__}.{name_of(kernel)}", space)
         setattr(made, name_of(kernel), space[name_of(kernel)])
 
-    for kernel in _ROOTS:
-        add(kernel, frozenset(), False)
+    for root in _ROOTS:
+        add(root, frozenset(), False)
 
 
 steps: Any = ModuleType("frictionjoint.law.tangents.steps")
