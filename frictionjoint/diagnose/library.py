@@ -238,7 +238,7 @@ def unnamed_terms(prepared: Prepared, fitted: Fit, signals: list[Array]) -> list
     if prepared.drive == "torque" and not prepared.commanded:
         size = np.concatenate([np.abs(s.drive[s.mask]) for s in prepared.segments])
         # fractions of the samples above which a logged torque may not have acted
-        levels = np.quantile(size, (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)).tolist()
+        levels = np.quantile(size, (0.2, 0.35, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98)).tolist()
         excess = [ExcessTerm("torque", x, (levels[0], levels[-1])) for x in levels]
         motion_hz = prepared.band.motion
         terms += [term for term in excess if term.shows(prepared.segments, motion_hz)]
