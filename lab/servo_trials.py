@@ -78,7 +78,8 @@ def _bands(found: Trace, courses: Sequence[Course], held: Sequence[Course]) -> d
     """Share of held-out positions within the band, and the error of the refined model."""
     before = len(found.findings)
     found, outcome = named_by_motion(found, courses, courses[0].run.load.armature)
-    vector, x, spread = outcome.vector, outcome.values, outcome.cov
+    refined = outcome.found
+    vector, x, spread = refined.vector, refined.values, refined.cov
     rng = np.random.default_rng(0)
     draws = rng.multivariate_normal(x, spread, DRAWS, method="eigh")
     models = [vector.fit(np.clip(draw, vector.low, vector.high)) for draw in draws]

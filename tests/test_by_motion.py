@@ -76,7 +76,7 @@ def test_an_armature_that_is_wrong_in_the_model_is_a_number_of_the_refinement():
     # four logs are too few to name anything else by motion
     friction = 'frictionloss="0.06" damping="0.03"'
     findings, part, refined = named(friction, armature="0.06", motions=(sines, swept))
-    found = dict(zip(refined.vector.names, refined.values, strict=True))
+    found = dict(zip(refined.found.vector.names, refined.found.values, strict=True))
     assert not findings
     assert found["inertia-error 0.inertia"] == pytest.approx(0.01 - 0.06, rel=0.1)
     assert part < 0.2

@@ -130,12 +130,13 @@ def _posterior(
     vector = Vector(prepared, fitted, cov, body.armature)
     values, spread = vector.start, vector.covariance(cov)
     if refined and refined.taken:
-        vector, values, spread = refined.vector, refined.values, refined.cov
+        found = refined.found
+        vector, values, spread = found.vector, found.values, found.cov
 
     def made(x: Array) -> JointFriction:
         # what the logs do not determine may lie far outside of what is possible
         return friction_of(vector.fit(np.clip(x, vector.low, vector.high)))
 
-    found, shape = Posterior.of(values, spread, made, vector.has_gain), fitted.shape
+    posterior, shape = Posterior.of(values, spread, made, vector.has_gain), fitted.shape
     constraint = shape.constraint if isinstance(shape, ConstraintShape) else None
-    return replace(found, constraint=constraint)
+    return replace(posterior, constraint=constraint)

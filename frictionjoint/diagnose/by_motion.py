@@ -34,7 +34,7 @@ from frictionjoint.identify.weights import reweighed
 from frictionjoint.refine.guard import clearly_less
 from frictionjoint.refine.motion import LONGEST_WINDOW_S
 from frictionjoint.refine.objective import Objective
-from frictionjoint.refine.refine import Refined, judged, outcome, refine
+from frictionjoint.refine.refine import Refined, judged, refine
 from frictionjoint.refine.secant import differences
 from frictionjoint.refine.tried import Tried, tried
 from frictionjoint.refine.vector import Vector, with_term
@@ -71,7 +71,7 @@ def _asked_for(
             prepared, fitted = reweighed(found.prepared, fitted)
             term = fitted.effects[-1]
             other = _tried(prepared, fitted, courses, armature, partial(_begin, now, coefficients))
-            part = taken(other, now) / float(np.mean(now.near_fitted**2))
+            part = taken(other, now) / float(np.mean(now.found.near_fitted**2))
             progress(f"checking {term.name} by the simulated motion: error down by {part:.0%}")
             if not is_large(other, now, courses):
                 continue
@@ -106,11 +106,11 @@ def _with_armature(
     prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)
     progress("refining the armature")
     begin = partial(_begin, now, np.zeros(1))
-    other = _tried(prepared, fitted, courses, now.vector.armature, begin)
-    asked = clearly_less(other.near, now.near)
-    if not (asked and clearly_less(other.left_out, now.stands)):
+    other = _tried(prepared, fitted, courses, now.found.vector.armature, begin)
+    asked = clearly_less(other.near, now.found.near)
+    if not (asked and clearly_less(other.left_out, now.left_out)):
         return now
-    return outcome(other, True, now.left_out[0])
+    return Refined(other, now.before, taken=True)
 
 
 def _tried(
@@ -132,7 +132,7 @@ def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
     Args:
         coefficients: of the new effect, which is the last one, N m.
     """
-    x = vector.carried(now.vector, now.values)
+    x = vector.carried(now.found.vector, now.found.values)
     new = vector.fitted.terms.index(vector.fitted.effects[-1])
     x[vector.layout.coefficients(new)] = coefficients
     return [vector.start, np.clip(x, vector.low, vector.high)]
@@ -145,7 +145,7 @@ def held_out_evidence(term: Term, other: Tried, now: Refined) -> Look:
     whole log, a joint that sticks once too early or too late stays at another position for the rest
     of the log with either model, and a single log of this kind would decide.
     """
-    own, without = other.near, now.near
+    own, without = other.near, now.found.near
     p_value = sign_flips(without - own, np.random.default_rng(0))
     better = float(np.mean(own < without))
     row = Looked(without_columns(term), own**2, p_value, better)
@@ -159,7 +159,7 @@ def taken(other: Tried, now: Refined) -> float:
     parameters that only this kind determines, such as viscous friction at its speeds; that loss
     would hide what the effect removes.
     """
-    return float(np.mean(now.near_fitted**2 - other.near_fitted**2))
+    return float(np.mean(now.found.near_fitted**2 - other.near_fitted**2))
 
 
 def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
@@ -170,7 +170,7 @@ def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
     """
     nearer = taken(other, now)
     count = np.mean([course.run.block[COUNT] ** 2 for course in courses])
-    return nearer >= max(SMALLEST_GAIN * float(np.mean(now.near_fitted**2)), float(count))
+    return nearer >= max(SMALLEST_GAIN * float(np.mean(now.found.near_fitted**2)), float(count))
 
 
 def _promising(
@@ -184,7 +184,7 @@ def _promising(
     values, as in the torque balance with the effect.
     """
     prepared, final = found.prepared, found.final
-    objective = Objective(now.vector, courses, LONGEST_WINDOW_S, now.values)
+    objective = Objective(now.found.vector, courses, LONGEST_WINDOW_S, now.found.values)
 
     def squares(fitted: Fit) -> float:
         return float(np.sum(objective.soft(np.concatenate(objective.errors_of(fitted))) ** 2))
@@ -227,8 +227,8 @@ def _beside(
     prepared: Prepared, now: Refined, objective: Objective, armature: float
 ) -> list[tuple[EffectTerm, Array]]:
     """Effects that would reduce the squared error of the refined motion."""
-    x = now.values
-    fitted = now.vector.fit(x)
+    x = now.found.values
+    fitted = now.found.vector.fit(x)
     z = objective.units(x)
     r = objective(z)
     J = differences(objective, objective.bounds, z, r)

@@ -1,7 +1,7 @@
 """Least squares on simulated motion, starting from the torque fit, and the decision to use it."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,44 +21,35 @@ _FALL = "excess"
 
 @dataclass(frozen=True)
 class Refined:
-    """Result of a refinement.
+    """A refinement, and the decision to use it.
 
     Attributes:
-        fit: refined, or the torque fit if the refined one does not clearly predict unlike motion
-            better.
-        taken: whether it is the refined one. names: of the numbers in `values`.
-        values, cov: of the refined numbers, shapes (p,) and (p, p); see `vector.Vector`.
-        left_out: mean absolute error of each log, see `guard.of_logs`, of models fitted to other
-            kinds of logs, before and after, shape (logs,) each, rad (m).
-        near: the same of the refined numbers in windows from the measured motion, shape (logs,).
-        near_fitted: in those windows, of the model fitted to all logs, shape (logs,).
+        found: the refined numbers and their evidence.
+        before: mean absolute error of each log, see `guard.of_logs`, of models fitted to the torque
+            of other kinds of logs, rad (m), shape (logs,); `found.left_out` is that of the refined
+            ones.
+        taken: whether the refined model is used, because it clearly predicts unlike motion better.
     """
 
-    fit: Fit
+    found: Tried
+    before: Array
     taken: bool
-    values: Array
-    cov: Array
-    left_out: tuple[Array, Array]
-    near: Array
-    near_fitted: Array
-    vector: Vector
 
     @property
-    def stands(self) -> Array:
-        """`left_out` of the model that was selected."""
-        before, after = self.left_out
-        return after if self.taken else before
+    def fit(self) -> Fit:
+        """The refined model, or the torque fit if that is kept."""
+        vector = self.found.vector
+        return vector.fit(self.found.values) if self.taken else vector.fitted
+
+    @property
+    def left_out(self) -> Array:
+        """Error of each log of the model that was selected, fitted to other kinds of logs."""
+        return self.found.left_out if self.taken else self.before
 
     @property
     def gain_error(self) -> float:
         """Relative standard error of the drive's gain; 0 if it is known."""
-        return float(np.sqrt(self.cov[0, 0])) if self.vector.has_gain else 0.0
-
-    @property
-    def guard(self) -> tuple[float, float]:
-        """Means of `left_out`."""
-        before, after = self.left_out
-        return float(np.mean(before)), float(np.mean(after))
+        return float(np.sqrt(self.found.cov[0, 0])) if self.found.vector.has_gain else 0.0
 
 
 def refine(
@@ -79,8 +70,7 @@ def refine(
     vector, x = by_windows(vectors, courses, progress)
     found = tried(vector, courses, [x], progress)
     progress("checking the refinement on logs left out")
-    refined = judged(prepared, found, courses)
-    return refined if refined.taken else replace(refined, fit=fitted)
+    return judged(prepared, found, courses)
 
 
 def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
@@ -100,27 +90,6 @@ def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
 
 def judged(prepared: Prepared, found: Tried, courses: Sequence[Course]) -> Refined:
     """Refined numbers compared with the torque fit they started from."""
-    fitted = found.vector.fitted
-    left = balanced_without_each(prepared, fitted, courses, found.masks)
+    left = balanced_without_each(prepared, found.vector.fitted, courses, found.masks)
     before = of_logs(left, courses)
-    taken = clearly_less(found.left_out, before)
-    return outcome(found, taken, before)
-
-
-def outcome(found: Tried, taken: bool, before: Array) -> Refined:
-    """The result of a refinement after the decision to use it or not.
-
-    Args:
-        before: see `Refined.left_out`.
-    """
-    vector = found.vector
-    return Refined(
-        vector.fit(found.values) if taken else vector.fitted,
-        taken,
-        found.values,
-        found.cov,
-        (before, found.left_out),
-        found.near,
-        found.near_fitted,
-        vector,
-    )
+    return Refined(found, before, clearly_less(found.left_out, before))

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.result import Estimate, law_estimates, term_estimates
 from frictionjoint.refine.refine import Refined
@@ -34,8 +36,9 @@ class RefinedModel:
             scaled: whether the gain of the drive is determined; otherwise all is in units of the
                 drive.
         """
-        whole = outcome.vector.fit(outcome.values)
-        cov = outcome.vector.own_covariance(whole, outcome.cov)
+        numbers = outcome.found
+        whole = numbers.vector.fit(numbers.values)
+        cov = numbers.vector.own_covariance(whole, numbers.cov)
         fitted = whole if scaled else without_scale(whole)
         found = law_estimates(fitted, cov, slide)
         for i, term in enumerate(fitted.effects):
@@ -44,7 +47,8 @@ class RefinedModel:
                 for name, x in term_estimates(fitted, cov, i, slide).items()
             }
         errors = loops.errors([whole])[0] if loops else None
-        return cls(outcome.taken, outcome.guard, errors, found)
+        guard = float(np.mean(outcome.before)), float(np.mean(numbers.left_out))
+        return cls(outcome.taken, guard, errors, found)
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json."""
