@@ -18,9 +18,8 @@ from frictionjoint.robot.along import Along
 from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia
 from frictionjoint.robot.causes.catalogue import catalogue
-from frictionjoint.robot.causes.joint_offset import JointOffset
+from frictionjoint.robot.causes.of_joint import JointOffset, RotorInertia
 from frictionjoint.robot.causes.payload import Payload
-from frictionjoint.robot.causes.rotor_inertia import RotorInertia
 from frictionjoint.robot.corrections import (
     CorrectedBody,
     Corrections,
@@ -64,7 +63,7 @@ CAUSES = {
         [0.2, 0.03, -0.01, 0.02, -0.1],
     ),
     "all ten": (BodyInertia(3, "link3", "all ten"), list(0.1 * np.arange(-5, 5))),
-    "rotor": (RotorInertia("j2", 0.01), [0.2]),
+    "rotor": (RotorInertia("j2", armature=0.01), [0.2]),
     "tilt": (BaseTilt(), [0.1, -0.05]),
     "offset": (JointOffset("j2"), [0.07]),
 }

@@ -24,19 +24,19 @@ def with_waves(joints: Sequence[FittedJoint], found: Found) -> list[Cause]:
     """Forms of the model's gear couplings with a wave of the friction level, one each."""
     forms: list[Cause] = []
     for cause in found.causes:
-        if isinstance(cause, GearCoupling) and not cause.waves:
-            line = _strongest([_Part(j, cause) for j in joints if j.name in cause.joints])
+        if isinstance(cause, GearCoupling) and not cause.shaft.waves:
+            shaft = cause.shaft
+            line = _strongest([_Part(j, shaft) for j in joints if j.name in shaft.joints])
             if line:
-                forms.append(replace(cause, waves=line[0], among=line[1]))
+                forms.append(GearCoupling(replace(shaft, waves=line[0]), line[1]))
     return forms
 
 
 class _Part:
     """Residual of a joint with its law projected out, in units of its rms."""
 
-    def __init__(self, joint: FittedJoint, cause: GearCoupling) -> None:
-        self.joint = joint
-        self.shaft = Shaft(cause.joints, cause.ratio, cause.top)
+    def __init__(self, joint: FittedJoint, shaft: Shaft) -> None:
+        self.joint, self.shaft = joint, shaft
         self.unit = joint.fit.weight / joint.left
         law = law_columns(joint)
         self.base = orthonormal(law / lengths(law))

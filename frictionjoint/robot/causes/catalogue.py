@@ -12,10 +12,10 @@ from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia, Form
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.causes.gear_coupling import GearCoupling
-from frictionjoint.robot.causes.joint_offset import JointOffset
+from frictionjoint.robot.causes.of_joint import JointOffset, RotorInertia
 from frictionjoint.robot.causes.payload import Payload
-from frictionjoint.robot.causes.rotor_inertia import RotorInertia
 from frictionjoint.robot.causes.together import Links, Rotors
+from frictionjoint.robot.corrections import Shaft
 from frictionjoint.robot.inertia import of_model, possible
 from frictionjoint.robot.kinematics import Tree
 
@@ -33,7 +33,7 @@ def catalogue(
         velocity: of each of `joints` along the logs, rad/s (m/s), each of shape (n,).
     """
     rotors = [
-        RotorInertia(name, float(model.joint(name).armature[0]), is_slide(model, name))
+        RotorInertia(name, is_slide(model, name), float(model.joint(name).armature[0]))
         for name in joints
     ]
     none = [rotor for rotor in rotors if not rotor.armature]
@@ -54,7 +54,7 @@ def catalogue(
         for ratio in (1.0, -1.0):
             top = float(np.abs(velocity[one] + ratio * velocity[other]).max())
             if top:
-                found.append(GearCoupling((one, other), ratio, top))
+                found.append(GearCoupling(Shaft((one, other), ratio, top)))
     return tuple(found)
 
 

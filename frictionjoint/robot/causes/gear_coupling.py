@@ -5,7 +5,7 @@ The TX40's sixth motor turns with the sum of joints 5 and 6 (Gautier and Janot).
 """
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,20 +23,17 @@ class GearCoupling(Cause):
     its angle: sine and cosine, N m.
 
     Attributes:
-        joints: names. ratio: of the second joint in the shaft's angle. top: its speed, rad/s.
-        waves: of the level along the shaft, 1/rad; 0: none. among: see `Cause`.
+        shaft: without friction and inertia; its level has a wave if `waves` is not 0.
+        among: see `Cause`.
     """
 
-    joints: tuple[str, str]
-    ratio: float
-    top: float
-    waves: float = 0.0
+    shaft: Shaft
     among: float = 1.0
     name: ClassVar[str] = "gear-coupling"
 
     @property
     def place(self) -> dict[str, str]:
-        return {"joint": self.joints[0], "other_joint": self.joints[1]}
+        return dict(zip(("joint", "other_joint"), self.shaft.joints, strict=True))
 
     @property
     def steps(self) -> Array:
@@ -48,13 +45,12 @@ class GearCoupling(Cause):
         """Nonnegative losses and inertia; a wave of any phase."""
         # where a tendon's damping is one number a model cannot hold a curve
         even = POSITIVE, POSITIVE, POSITIVE if tendons_bend() else (0.0, 0.0), POSITIVE
-        return (*even, FREE, FREE) if self.waves else even
+        return (*even, FREE, FREE) if self.shaft.waves else even
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """The shaft, as one more tendon."""
-        numbers = dict(zip(SHAFT_NUMBERS, map(float, x), strict=False))
-        shaft = Shaft(self.joints, self.ratio, self.top, waves=self.waves, **numbers)
-        return replace(state, shafts=(*state.shafts, shaft))
+        numbers: dict[str, Any] = dict(zip(SHAFT_NUMBERS, map(float, x), strict=False))
+        return replace(state, shafts=(*state.shafts, replace(self.shaft, **numbers)))
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """Losses, inertia and ratio of the shaft, and its wave if it has one."""
@@ -63,10 +59,10 @@ class GearCoupling(Cause):
             "viscous": (float(x[1]), "N m s/rad"),
             "concave": (float(x[2]), "N m s/rad"),
             "inertia": (float(x[3]), "kg m^2"),
-            "ratio": (self.ratio, "1"),
-            "top": (self.top, "rad/s"),
+            "ratio": (self.shaft.ratio, "1"),
+            "top": (self.shaft.top, "rad/s"),
         }
-        if self.waves:
+        if self.shaft.waves:
             found["wave"] = float(np.hypot(*x[4:])), "N m"
-            found["waves"] = self.waves, "1/rad"
+            found["waves"] = self.shaft.waves, "1/rad"
         return found
