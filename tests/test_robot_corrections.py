@@ -21,7 +21,6 @@ from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.causes.of_joint import JointOffset, RotorInertia
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.corrections import (
-    CorrectedBody,
     Corrections,
     Shaft,
     tendons_bend,
@@ -109,7 +108,7 @@ def test_a_shafts_torque_is_the_tendons(arm, logs):
         found = Along(body, segment, state).segment(segment)
         spec = read_spec(arm)
         write_corrections(spec, state)
-        other = CorrectedBody(spec.to_xml(), joint, shafts=(shaft,))
+        other = RigidBody(spec.to_xml(), joint)
         expected = prepare([logs[joint]], other, prepared.band).segments[0].signals[:, LOAD]
         assert np.abs(found.signals[:, LOAD] - expected).max() < 1e-4 * np.abs(expected).max()
     assert np.abs(segment.balanced(expected[:, None])).max() > 0.0

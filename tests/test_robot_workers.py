@@ -14,7 +14,7 @@ from arms.run import run, write_csv
 
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.robot.close_loop import _first
-from frictionjoint.robot.explain import State, Task
+from frictionjoint.robot.explain import Task
 from frictionjoint.robot.logs import RobotLogs
 from frictionjoint.robot.workers import workers
 
@@ -24,8 +24,9 @@ def tasks(tmp_path_factory) -> list[Task]:
     folder, arm = tmp_path_factory.mktemp("logs"), random_arm(4, 2)
     write_csv(run(arm, 1, 4.0), folder / "a.csv")
     logs = RobotLogs.read([folder / "a.csv"], [], 0.25, arm.believed)
-    user = State(arm.believed)
-    return [Task(n, logs.fit[n], logs.held_out[n], user, None, 0, None) for n in logs.joints]
+    return [
+        Task(n, logs.fit[n], logs.held_out[n], arm.believed, None, 0, None) for n in logs.joints
+    ]
 
 
 def test_a_cluster_gives_the_same_numbers(tasks):

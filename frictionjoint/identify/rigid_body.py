@@ -2,8 +2,8 @@
 
 It uses MuJoCo's inverse dynamics. Contacts, limits and all friction or damping of the joint in the
 MJCF are left out, because friction is identified; samples at a limit are reported. Coulomb friction
-of tendons between joints stays in the model: it is part of the load, except while the tendon stands
-still, when its torque is unknown.
+of tendons between joints, whose level may vary along a shaft, stays in the model: it is part of the
+load, except while the tendon stands still, when its torque is unknown.
 """
 
 from collections.abc import Mapping
@@ -22,6 +22,7 @@ from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.native_friction import native_friction
+from frictionjoint.simulate.shaft_wave import wave_blocks, wave_level
 
 # part of a tendon's top speed over which its friction turns over
 TURNS = 0.01
@@ -181,7 +182,7 @@ class RigidBody:
             np.dot(weighs, centres, out=moments[k])
             mujoco.mj_mulM(model, data, column, unit)
             rows[k] = column[dofs]
-        rubbing, unknown = self._of_tendons({j: track[1] for j, track in tracks}, n)
+        rubbing, unknown = self._of_tendons({j: track[:2] for j, track in tracks}, n)
         load += rubbing
         # a hinge and a slide have no unit in common
         alike = model.jnt_type[[j for j, _ in tracks]] == model.jnt_type[self.joint_id]
@@ -204,20 +205,32 @@ class RigidBody:
         sag, sway = hold * per_inertia, stiffness * per_inertia
         return RigidBodyTorque(load, gx, gy, sag, sway, inertia, coupling, unknown)
 
-    def _of_tendons(self, velocity: Mapping[int, Array], n: int) -> tuple[Array, Array | None]:
+    def _of_tendons(
+        self, moves: Mapping[int, tuple[Array, Array]], n: int
+    ) -> tuple[Array, Array | None]:
         """Torque of the Coulomb friction of tendons between joints, and how much of it is unknown,
-        from the velocities, shape (n,), of joints that move, by index."""
+        from position and velocity, shape (n,), of joints that move, by index."""
         model, load, unknown = self.model, np.zeros(n), np.zeros(n)
-        for t in np.flatnonzero(model.tendon_frictionloss):
+        waves = wave_blocks(model)
+        for t in range(model.ntendon):
+            wave = waves.get(model.tendon(t).name)
+            if wave is None and not model.tendon_frictionloss[t]:
+                continue
             wraps = int(model.tendon_adr[t]) + np.arange(int(model.tendon_num[t]))
             if np.any(model.wrap_type[wraps] != mujoco.mjtWrap.mjWRAP_JOINT):
                 continue
             turns = dict(zip(model.wrap_objid[wraps], model.wrap_prm[wraps], strict=True))
-            own = turns.get(self.joint_id, 0.0) * model.tendon_frictionloss[t]
+            own = turns.get(self.joint_id, 0.0)
             if own:
-                speed = sum(c * velocity[j] for j, c in turns.items() if j in velocity)
-                load += own * direction(speed)
-                unknown += np.abs(own) * (1.0 - np.abs(direction(speed)))
+                turn, speed = (
+                    sum(c * moves[j][k] for j, c in turns.items() if j in moves) for k in (0, 1)
+                )
+                levels = [own * model.tendon_frictionloss[t]]
+                if wave is not None:
+                    levels.append(own * wave_level(model, wave, turn))
+                for level in levels:
+                    load += level * direction(speed)
+                    unknown += np.abs(level) * (1.0 - np.abs(direction(speed)))
         return load, unknown if unknown.any() else None
 
 

@@ -36,7 +36,7 @@ from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.corrections import write_corrections
 from frictionjoint.robot.exchanged import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
-from frictionjoint.robot.explain import Corrected, Explained, Fitted, State, Task, explain_joint
+from frictionjoint.robot.explain import Corrected, Explained, Fitted, Model, Task, explain_joint
 from frictionjoint.robot.information import information, undetermined
 from frictionjoint.robot.joint import FittedJoint, first_fit
 from frictionjoint.robot.logs import Place, RobotLogs, by_place
@@ -90,10 +90,9 @@ def close_loop_robot(
     begin = time.perf_counter()
     model, carried = before_friction(model, logs.joints)
     compiled = compile_model(model)
-    user = State(model)
     tasks = {
         n: Task(
-            *(n, logs.fit[n], logs.held_out[n], user, how.fixed, how.seed, how.law),
+            *(n, logs.fit[n], logs.held_out[n], model, how.fixed, how.seed, how.law),
             controller=controller_of(how.controller, n, [compiled]),
             refine=how.refine,
             ends=logs.ends,
@@ -110,11 +109,11 @@ def close_loop_robot(
             raise LogError(next(iter(failed.values())))
         require_own_columns(tasks, fitted)
         shared = shared_causes(list(fitted.values()), logs.moving, each, how.seed, how.progress)
-        corrected = user
+        corrected = model
         if shared.found.causes:
             spec = read_spec(model)
             write_corrections(spec, shared.found.state)
-            corrected = State(model_text(spec, model), shared.found.state.shafts)
+            corrected = model_text(spec, model)
         ready = [Corrected(tasks[n], x, shared, corrected) for n, x in fitted.items()]
         outcomes, explained = {}, iter(each(explain_joint, ready))
         for i, name in enumerate(fitted):
@@ -129,7 +128,7 @@ def close_loop_robot(
     excitation = next_trajectory(shared.joints, logs.moving, known, how.seed)
     how.progress("simulating all joints together")
     poses = next(iter(fitted.values())).alongs[0].body.named_poses
-    spec = read_spec(corrected.mjcf)
+    spec = read_spec(corrected)
     for joint, one in done.items():
         if not one.simulated.in_drive_units:
             friction_spec(spec, joint, one.simulated)
@@ -143,7 +142,7 @@ def close_loop_robot(
         shared=_stated(shared, done),
         before=RobotErrors(
             mean_percent([(r.before_torque, r.drive_rms("before")) for r in reports.values()]),
-            _replay(user, {n: x.before for n, x in done.items()}, poses),
+            _replay(model, {n: x.before for n, x in done.items()}, poses),
         ),
         after=RobotErrors(
             mean_percent([(r.after_torque, r.drive_rms("after")) for r in reports.values()]),
@@ -151,7 +150,7 @@ def close_loop_robot(
         ),
         undetermined=undetermined(known, {n: r.final for n, r in reports.items()}),
         excitation=excitation,
-        mjcf=model_text(spec, corrected.mjcf),
+        mjcf=model_text(spec, corrected),
         seconds=time.perf_counter() - begin,
         notes=(*([said_of(carried)] if carried else ()), *logs.notes, *notes_of(reports)),
     )
@@ -159,12 +158,12 @@ def close_loop_robot(
 
 def _first(task: Task) -> FittedJoint | str:
     try:
-        return first_fit(task.logs, task.user.mjcf, task.joint, task.fixed, task.controller)
+        return first_fit(task.logs, task.user, task.joint, task.fixed, task.controller)
     except FrictionJointError as error:
         return str(error)
 
 
-def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list[float]]) -> Rms:
+def _replay(model: Model, joints: Mapping[str, Fitted], poses: Mapping[str, list[float]]) -> Rms:
     """Replay of all joints together, on fitted and held-out logs; none without a torque."""
     if any(x.fit.in_drive_units or x.prepared.commanded for x in joints.values()):
         return Rms(None, None)
@@ -175,8 +174,11 @@ def _replay(state: State, joints: Mapping[str, Fitted], poses: Mapping[str, list
             for place, segment in by_place(prepared.segments if prepared else ()).items():
                 logs.setdefault(place, {})[name] = segment
         fits = {n: joints[n].fit for n, prepared in own.items() if prepared}
-        spec = read_spec(state.mjcf)
-        return replay_joints(spec, list(logs.values()), fits, poses).stated if logs else None
+        return (
+            replay_joints(read_spec(model), list(logs.values()), fits, poses).stated
+            if logs
+            else None
+        )
 
     kept_back = {n: x.kept_back for n, x in joints.items()}
     return Rms(rms({n: x.prepared for n, x in joints.items()}), rms(kept_back))

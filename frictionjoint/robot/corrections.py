@@ -1,19 +1,12 @@
-"""Corrections of a robot's rigid-body model, the corrected model, and the body around its joints.
+"""Corrections of a robot's rigid-body model, and that model, in which a shaft is a tendon."""
 
-The mean Coulomb friction of a shaft is a tendon's `frictionloss` there, which every `RigidBody`
-knows; `CorrectedBody` adds how it changes along the shaft's turn.
-"""
-
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.identify.held import Pose
-from frictionjoint.identify.rigid_body import TURNS, RigidBody, RigidBodyTorque, direction
+from frictionjoint.identify.rigid_body import TURNS
 from frictionjoint.robot.inertia import of_model, write
 from frictionjoint.simulate.shaft_wave import add_wave
 
@@ -64,11 +57,6 @@ class Shaft:
         """Coefficients of a tendon's damping by powers of speed, shape (3,)."""
         curve = np.array([1.0, -1.0 / self.top, 1.0 / (3.0 * self.top**2)])
         return np.array([self.viscous, 0.0, 0.0]) + self.concave * curve
-
-    def wave(self, turn: Array) -> Array:
-        """Deviation of the friction level from its mean at shaft angles, N m, shape (n,)."""
-        angle = self.waves * turn
-        return np.asarray(self.sin * np.sin(angle) + self.cos * np.cos(angle))
 
     def per_turn(self, joint: str) -> float:
         return dict(zip(self.joints, (1.0, self.ratio), strict=True)).get(joint, 0.0)
@@ -167,41 +155,3 @@ def _keep_inertias(spec: mujoco.MjSpec, model: mujoco.MjModel, phi: Array) -> No
     for body in spec.bodies:
         if body.id > 0 and model.body_mass[body.id] > 0.0:
             write(body, phi[body.id])
-
-
-class CorrectedBody(RigidBody):
-    """A `RigidBody` of a corrected MJCF, in which some tendons represent `shafts`."""
-
-    def __init__(
-        self,
-        mjcf: str | Path,
-        joint: str,
-        fixed: Mapping[str, Pose] | None = None,
-        shafts: Sequence[Shaft] = (),
-    ) -> None:
-        super().__init__(mjcf, joint, fixed)
-        self.shafts = tuple(shafts)
-
-    def torque(
-        self,
-        position: Array,
-        velocity: Array,
-        acceleration: Array,
-        others: Mapping[str, tuple[Array, Array, Array]] | None = None,
-    ) -> RigidBodyTorque:
-        """Inverse dynamics along a motion, with what the shafts add to the load."""
-        found = super().torque(position, velocity, acceleration, others)
-        moves = {name: (q, v) for name, (q, v, _) in (others or {}).items()}
-        moves[self.joint] = position, velocity
-        still = np.zeros_like(position), np.zeros_like(velocity)
-        load = found.load
-        unknown = np.zeros_like(velocity) if found.unknown is None else found.unknown
-        for shaft in self.shafts:
-            per_turn = shaft.per_turn(self.joint)
-            if per_turn and shaft.waves:
-                one, other = (moves.get(name, still) for name in shaft.joints)
-                turn, speed = (a + shaft.ratio * b for a, b in zip(one, other, strict=True))
-                level = per_turn * shaft.wave(turn)
-                load = load + level * direction(speed)
-                unknown = unknown + np.abs(level) * (1.0 - np.abs(direction(speed)))
-        return replace(found, load=load, unknown=unknown if unknown.any() else None)

@@ -39,7 +39,7 @@ def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJo
 def _left(task: Task, others: Sequence[JointLog]) -> float:
     """What the model leaves of a joint's drive if the columns of another are its own."""
     logs = [_as_of(task.joint, log) for log in others]
-    body = RigidBody(task.user.mjcf, task.joint, task.fixed)
+    body = RigidBody(task.user, task.joint, task.fixed)
     return unexplained_fraction(prepare(logs, body, controller=task.controller))
 
 

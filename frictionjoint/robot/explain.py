@@ -29,7 +29,7 @@ from frictionjoint.replay.free_runs import replay, replay_rms
 from frictionjoint.replay.loops import LoopErrors, Loops
 from frictionjoint.report.entries import Interval
 from frictionjoint.robot.along import Along
-from frictionjoint.robot.corrections import CorrectedBody, Corrections, Shaft
+from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.paired import error_increase, replay_increase
 from frictionjoint.robot.settle import Settled
@@ -39,25 +39,14 @@ Model = str | Path
 
 
 @dataclass(frozen=True)
-class State:
-    """A robot's model: path or text, and its tendons that represent shafts."""
-
-    mjcf: Model
-    shafts: tuple[Shaft, ...] = ()
-
-    def body(self, joint: str, fixed: Mapping[str, Pose] | None) -> RigidBody:
-        return CorrectedBody(self.mjcf, joint, fixed, self.shafts)
-
-
-@dataclass(frozen=True)
 class Task:
-    """One joint, its logs and how they are analysed with the user's model; the controller is for
-    logs without a torque, refine and ends are those of `diagnose.close_loop`."""
+    """One joint, its logs and how they are analysed with the user's model, a path or text; the
+    controller is for logs without a torque, refine and ends are those of `diagnose.close_loop`."""
 
     joint: str
     logs: list[JointLog]
     held_out: list[JointLog]
-    user: State
+    user: Model
     fixed: Mapping[str, Pose] | None
     seed: int
     law: str | None
@@ -76,7 +65,7 @@ class Corrected:
         shape: of the law fitted with the user's model.
     """
 
-    def __init__(self, task: Task, first: FittedJoint, shared: Settled, model: State) -> None:
+    def __init__(self, task: Task, first: FittedJoint, shared: Settled, model: Model) -> None:
         found = shared.found
         self.task, self.model, self.shape = task, model, first.fit.shape
         self.original, self.corrections = found.original, found.state
@@ -107,7 +96,7 @@ class Explained:
 
     def __init__(self, joint: Corrected) -> None:
         task = joint.task
-        body = joint.model.body(task.joint, task.fixed)
+        body = RigidBody(joint.model, task.joint, task.fixed)
         found = explain(
             task.logs,
             task.held_out,
@@ -167,7 +156,7 @@ def explain_joint(joint: Corrected) -> Explained | str:
 def _alongs(joint: Corrected, after: Fitted) -> list[tuple[Along, ...]]:
     """Fitted logs, and held-out logs, as their load is under the corrections."""
     task, state = joint.task, joint.corrections
-    body = task.user.body(task.joint, task.fixed)
+    body = RigidBody(task.user, task.joint, task.fixed)
     kept_back = after.kept_back.segments if after.kept_back else ()
     return [tuple(Along(body, s, state) for s in x) for x in (after.prepared.segments, kept_back)]
 
@@ -205,7 +194,7 @@ def _replays(fitted: Fitted, task: Task) -> tuple[Runs | None, LoopErrors | None
     """Free runs with the user's model, closed loops from a target; None without torque scale."""
     if fitted.fit.in_drive_units:
         return None, None
-    body = task.user.body(task.joint, task.fixed)
+    body = RigidBody(task.user, task.joint, task.fixed)
     if task.controller:
         pairs = [(logs, [body] * len(logs)) for logs in (task.logs, task.held_out)]
         if loops := Loops.of(pairs, task.controller):

@@ -14,8 +14,9 @@ Slots 2 to 6 belong to one compiled model, as those of a joint's block (`carrier
 import math
 
 import mujoco
+import numpy as np
 
-from frictionjoint.arrays import Vector
+from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.block import MAGIC, VERSION
@@ -93,6 +94,13 @@ def wave_losses(model: mujoco.MjModel) -> list[str]:
         size = math.hypot(*model.numeric_data[at + _SIN : at + _COS + 1])
         found.append(f"{name}: the wave of {size:.3g} N m in its friction level")
     return found
+
+
+def wave_level(model: mujoco.MjModel, at: int, turn: Array) -> Array:
+    """Deviation of a level from its mean at angles of the shaft, rad, by the address of the block;
+    N m, shape (n,)."""
+    waves, sin, cos = model.numeric_data[at + _WAVES : at + _COS + 1]
+    return np.asarray(sin * np.sin(waves * turn) + cos * np.cos(waves * turn))
 
 
 @compiled
