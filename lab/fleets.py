@@ -24,7 +24,7 @@ from frictionjoint.recordings.between import over
 from frictionjoint.recordings.drift import judged
 from frictionjoint.recordings.estimate import Estimates, Known
 from frictionjoint.recordings.in_report import explained
-from frictionjoint.refine.posterior import numbers_in
+from frictionjoint.refine.posterior import Posterior, numbers_in
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import install
 
@@ -58,8 +58,8 @@ def nominal():
     install(spec, {"elbow": law})
     spec.compile()
     content = toml_document(law, ()).unwrap()
-    cov = np.diag((0.01 * np.abs(numbers_in(content))) ** 2)
-    return Known(spec.to_xml(), "elbow", content, cov)
+    factor = np.diag(0.01 * np.abs(numbers_in(content)))
+    return Known(spec.to_xml(), "elbow", Posterior(content, factor))
 
 
 def simulated(rngs, coulomb, viscous):

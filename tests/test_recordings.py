@@ -91,8 +91,8 @@ def known(error: float = 0.01, Fs: float = FS) -> Known:
     install(spec, {"elbow": law})
     spec.compile()
     content = toml_document(law, ()).unwrap()
-    cov = np.diag((error * np.abs(numbers_in(content))) ** 2)
-    return Known(spec.to_xml(), "elbow", content, cov)
+    factor = np.diag(error * np.abs(numbers_in(content)))
+    return Known(spec.to_xml(), "elbow", Posterior(content, factor))
 
 
 def value(found, name):
@@ -122,7 +122,7 @@ def test_a_number_that_the_report_assumes_has_not_changed() -> None:
 def test_where_an_effect_is_zero_is_a_choice_and_is_not_compared() -> None:
     """Freed, a reference temperature takes the place of the friction level."""
     table = {"effect": "temperature-dependent", "form": 27, "T0": 30.0, "scale": 20.0}
-    content = dict(known().content) | {"effects": [table | {"level": 0.1, "viscous": 0.05}]}
+    content = known().posterior.content | {"effects": [table | {"level": 0.1, "viscous": 0.05}]}
     names = {x.name for x in numbers_of(content)}
     assert {"Fc", "temperature-dependent level", "temperature-dependent scale"} <= names
     assert "temperature-dependent T0" not in names
@@ -152,8 +152,7 @@ def report(folder: Path) -> Path:
     k = known()
     folder.mkdir()
     (folder / "model.xml").write_text(str(k.model))
-    posterior = {"parameters": dict(k.content), "factor": np.sqrt(k.cov).tolist()}
-    (folder / "report.json").write_text(json.dumps(good(posterior=posterior)))
+    (folder / "report.json").write_text(json.dumps(good(posterior=k.posterior.to_dict())))
     return folder
 
 
@@ -213,7 +212,7 @@ class Stated:
     @classmethod
     def of(cls, k: Known) -> "Stated":
         """What a report states of a known friction."""
-        return cls("elbow", str(k.model), Posterior(dict(k.content), np.sqrt(k.cov)))
+        return cls("elbow", str(k.model), k.posterior)
 
 
 def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:

@@ -50,13 +50,9 @@ def known_of(report: Path, joint: str | None = None) -> Known:
         )
     if not model.is_file():
         raise ParameterError(f"{model}: missing next to the report: give the whole folder")
-    posterior = Posterior.from_dict(own["posterior"])
-    content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
-    bandwidth_hz = float(own.get("bandwidth_hz", np.inf))
     return Known(
-        *(model, name, content, cov),
-        constraint=constraint,
-        bandwidth_hz=bandwidth_hz,
+        *(model, name, Posterior.from_dict(own["posterior"])),
+        bandwidth_hz=float(own.get("bandwidth_hz", np.inf)),
         undetermined=frozenset(n for n, x in result_estimates(own).items() if x.stderr is None),
     )
 
@@ -68,7 +64,7 @@ def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
 
 def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
     """The same for the estimates of new logs."""
-    rows, keys = [], [entry.key for entry in entries(known.content)]
+    rows, keys = [], [entry.key for entry in entries(known.posterior.content)]
     for i, (number, before, error) in enumerate(
         zip(known.numbers, known.values, known.stderr, strict=True)
     ):

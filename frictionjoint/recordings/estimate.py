@@ -14,7 +14,7 @@ extrapolated to none.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -27,7 +27,6 @@ from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.files import joint_friction
-from frictionjoint.identify.constraint_shape import Constraint
 from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.held import Pose
 from frictionjoint.identify.motion import grid_steps
@@ -44,7 +43,7 @@ from frictionjoint.model_files import read_spec
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.parameters import Friction
 from frictionjoint.recordings.numbers import Number, changed, numbers_of
-from frictionjoint.refine.posterior import numbers_in
+from frictionjoint.refine.posterior import Posterior, numbers_in
 from frictionjoint.refine.vector import PRIOR_ERRORS, PRIOR_SIZE
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.carrier import install
@@ -62,9 +61,7 @@ class Known:
 
     Attributes:
         model: MJCF of the joint with that friction, path or text. joint: name.
-        content: of its parameter file.
-        cov: covariance of the file's numbers, shape (m, m), at the gain of the drive in the model.
-        constraint: how it acts in the logs it was fitted to, if they show MuJoCo's `frictionloss`.
+        posterior: of the numbers of its parameter file.
         bandwidth_hz: corner of the filter of the balance that it was fitted with; infinite: that of
             the motion.
         undetermined: names of the law's parameters whose values are assumed.
@@ -72,30 +69,28 @@ class Known:
 
     model: str | Path
     joint: str
-    content: Mapping[str, Any]
-    cov: Array
+    posterior: Posterior
     fixed: Mapping[str, Pose] | None = None
-    constraint: Constraint | None = None
     bandwidth_hz: float = np.inf
     undetermined: frozenset[str] = frozenset()
 
     @property
     def numbers(self) -> list[Number]:
         """Parameters by which recordings are compared."""
-        return numbers_of(self.content)
+        return numbers_of(self.posterior.content)
 
     @property
     def values(self) -> Array:
         """Values of the parameters, shape (p,)."""
-        values = numbers_in(self.content)
+        values = numbers_in(self.posterior.content)
         return np.array([float(np.mean(values[list(x.indices)])) for x in self.numbers])
 
     @property
     def stderr(self) -> Array:
         """Standard errors of the parameters, shape (p,)."""
-        rows = [np.eye(len(self.cov))[list(n.indices)].mean(axis=0) for n in self.numbers]
-        A = np.array(rows)
-        variance: Array = np.einsum("ij,jk,ik->i", A, self.cov, A)
+        cov = self.posterior.cov
+        A = np.array([np.eye(len(cov))[list(n.indices)].mean(axis=0) for n in self.numbers])
+        variance: Array = np.einsum("ij,jk,ik->i", A, cov, A)
         return np.sqrt(np.maximum(0.0, variance))
 
 
@@ -257,7 +252,8 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
     if added:
         log = replace(log, position=log.position + added * part.noise)
     recording = Recording.of({known.joint: log}, part.corner, grid_steps(part.corner))
-    own = joint_friction(dict(known.content))
+    content, constraint = known.posterior.content, known.posterior.constraint
+    own = joint_friction(content)
     # differentiated twice, position noise grows with frequency; the band of the fit keeps it out
     corner = min(known.bandwidth_hz, recording.filter.corner_hz)
     balance = LowPass(len(recording.time), recording.step, corner, gentle)
@@ -275,24 +271,24 @@ def _linear(known: Known, part: _Part, added: float, numbers: Sequence[Number]) 
 
     base, acted = needed(None)
     q, velocity, acceleration = recording.motion[known.joint]
-    lead, V0 = known.constraint or (0.0, 0.0)
+    lead, V0 = constraint or (0.0, 0.0)
 
     def torque_of(law: Friction) -> Array:
-        if known.constraint:
-            return known.constraint.torque(law, velocity, acceleration)
+        if constraint:
+            return constraint.torque(law, velocity, acceleration)
         return friction_torque(law, recording.time, q)
 
     law = torque_of(own.parameters)
-    if known.constraint:
+    if constraint:
         base += balance(law - friction_torque(own.parameters, recording.time, q))
     columns = []
     for number, value in zip(numbers, known.values, strict=True):
         by = 0.02 * value
         try:
-            other = changed(known.content, number, by)
+            other = changed(content, number, by)
         except ParameterError:
             by = -by
-            other = changed(known.content, number, by)
+            other = changed(content, number, by)
         if number.of_law:
             moved = torque_of(other.parameters)
             columns.append(balance(moved - law) / by)

@@ -44,8 +44,7 @@ def with_recordings(
     except FrictionJointError as error:
         note = f"The recordings were not compared with each other: {error}"
         return replace(report, notes=(*report.notes, note))
-    assert report.posterior is not None
-    rows, columns, said = [], [report.posterior.factor], []
+    rows, columns, said = [], [known.posterior.factor], []
     for i, (number, stderr) in enumerate(zip(known.numbers, known.stderr, strict=True)):
         # at least half of the information must come from the recording
         own = [x for x in found if x.informed[i] > 0.5]
@@ -62,7 +61,7 @@ def with_recordings(
         least = max(stderr, STICKING_ERROR * abs(between.mean))
         sure = between.p_value < SIGNIFICANCE / len(known.numbers) and between.deviation > least
         if sure and explained(own, i) > TIE:
-            column = np.zeros((len(known.cov), 1))
+            column = np.zeros((len(columns[0]), 1))
             column[list(number.indices)] = between.deviation
             columns.append(column)
             symbol = number.name.partition(" ")[0]
@@ -71,7 +70,7 @@ def with_recordings(
     return replace(
         report,
         recordings=tuple(rows),
-        posterior=replace(report.posterior, factor=np.hstack(columns)),
+        posterior=replace(known.posterior, factor=np.hstack(columns)),
         notes=(*report.notes, *said),
     )
 
@@ -90,8 +89,7 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
             "the comparison takes the drive as it is measured, and this result corrects it "
             f"({', '.join(map(title, corrected))})."
         )
-    content, cov, constraint = posterior.content, posterior.cov, posterior.constraint
-    return Known(report.mjcf, report.joint, content, cov, fixed, constraint, report.bandwidth_hz)
+    return Known(report.mjcf, report.joint, posterior, fixed, report.bandwidth_hz)
 
 
 def explained(found: Sequence[Estimates], i: int) -> float:
