@@ -52,10 +52,9 @@ class RefinedModel:
 
     def to_dict(self) -> dict[str, Any]:
         """As in report.json."""
-        loops = {"mae": self.loops.mae, "rms": self.loops.rms} if self.loops else {}
         return {
             "taken": self.taken,
             "left_out_mae": {"before": self.guard[0], "after": self.guard[1]},
-            **{f"closed_loop_{name}": x.to_dict() for name, x in loops.items()},
-            "parameters": {name: x.to_dict() for name, x in self.parameters.items()},
+            **(self.loops.figures() if self.loops else {}),
+            "parameters": self.parameters,
         }

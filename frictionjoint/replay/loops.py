@@ -29,6 +29,10 @@ class LoopErrors:
         """Roots of the mean square."""
         return Rms(*(None if x is None else x.rms for x in (self.fit, self.held_out)))
 
+    def figures(self) -> dict[str, Rms]:
+        """Both errors by their keys in report.json."""
+        return {"closed_loop_mae": self.mae, "closed_loop_rms": self.rms}
+
     @property
     def replays(self) -> "tuple[Replay, Replay | None]":
         """Fitted and held-out logs as free runs, one run per log."""

@@ -187,37 +187,10 @@ class Report:
             raise ParameterError("no samples: the logs do not determine the friction's scale")
         return self.posterior.sample(n, seed)
 
-    @property
-    def result_loops(self) -> tuple[LoopErrors | None, ...]:
-        """Whole logs in closed loop, by the model before and by the result; empty without a
-        controller."""
-        if self.closed_loops is None:
-            return ()
-        before, after = self.closed_loops
-        refined = self.refined.loops if self.refined and self.refined.taken else None
-        return before, refined or after
-
-    def _closed_loop(self, which: int) -> dict[str, Any]:
-        """Errors of the model before (0) or after (1); empty without a controller."""
-        found = self.result_loops[which] if self.result_loops else None
-        return {"closed_loop_mae": found.mae, "closed_loop_rms": found.rms} if found else {}
-
     def _repr_html_(self) -> str:
         from frictionjoint.report.picture import report_html
 
         return report_html(self)
-
-    def _refined(self) -> dict[str, Any]:
-        """The refinement compared with the fit to torque."""
-        assert self.refined is not None
-        found = self.refined.to_dict()
-        if self.closed_loops is None:
-            return found
-        balance = self.closed_loops[1]
-        return found | {
-            "balance_closed_loop_mae": balance.mae,
-            "balance_closed_loop_rms": balance.rms,
-        }
 
     def to_dict(self) -> dict[str, Any]:
         """The content of report.json."""
@@ -238,9 +211,12 @@ class Report:
         return {"after": pair[1]} if self.other_before else {"before": pair[0], "after": pair[1]}
 
     def _content(self) -> dict[str, Any]:
-        carried = self.carried
+        carried, refined = self.carried, self.refined
+        before, balance = self.closed_loops or (None, None)
+        after = (refined.loops if refined and refined.taken else None) or balance
         optional = {
-            "refined": self._refined() if self.refined else None,
+            # compared with the fit to torque
+            "refined": refined.to_dict() | _figures(balance, "balance_") if refined else None,
             "posterior": self.posterior,
             "recordings": self.recordings,
             "unexplained_causes": self.unexplained_causes,
@@ -269,7 +245,7 @@ class Report:
             "before": {
                 "torque_rms": self.before_torque,
                 "replay_rms": self.before_replay,
-                **self._closed_loop(0),
+                **_figures(before),
             },
             "added": self.added,
             "after": {
@@ -277,7 +253,7 @@ class Report:
                 "parameters": self.final,
                 "torque_rms": self.after_torque,
                 "replay_rms": self.after_replay,
-                **self._closed_loop(1),
+                **_figures(after),
             },
             **{name: x for name, x in optional.items() if x},
             "thresholds": self.thresholds,
@@ -290,6 +266,10 @@ class Report:
             "notes": self.notes,
             "verdict": self.verdict,
         }
+
+
+def _figures(loops: LoopErrors | None, prefix: str = "") -> dict[str, Any]:
+    return {prefix + key: x for key, x in loops.figures().items()} if loops else {}
 
 
 def _with_possible_noise(content: dict[str, Any]) -> dict[str, Any]:
