@@ -32,18 +32,12 @@ from frictionjoint.law.names import LAWS
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
     from frictionjoint.report.units_report import UnitsReport
 
-Logs = Annotated[list[Path] | None, argument("LOG", f"{LOG_FORMATS} None with --robot.")]
-Law = Annotated[str | None, typer.Option(help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")]
-Seed = Annotated[
-    int, option("INTEGER", "Seed of the random tests. Equal seeds give equal reports.", min=0)
-]
-
 
 @reads_logs("gain", "signal", "fixed", "controller")
 def close_loop(
     model: Model,
     out: Annotated[Path, option("FOLDER", "Folder for the report.")],
-    logs: Logs = None,
+    logs: Annotated[list[Path] | None, argument("LOG", f"{LOG_FORMATS} None with --robot.")] = None,
     joint: Joints = None,
     held_out: Annotated[
         list[str] | None,
@@ -53,7 +47,7 @@ def close_loop(
             "Repeatable. Default: 0.25.",
         ),
     ] = None,
-    law: Law = None,
+    law: Annotated[str | None, typer.Option(help=f"{LAW_TO_FIT} Default: {LAWS[0]}.")] = None,
     refine: Annotated[
         bool | None,
         typer.Option(
@@ -81,7 +75,10 @@ def close_loop(
             "result is the same.",
         ),
     ] = None,
-    seed: Seed = 0,
+    seed: Annotated[
+        int,
+        option("INTEGER", "Seed of the random tests. Equal seeds give equal reports.", min=0),
+    ] = 0,
     open_it: Open = False,
     force: Force = False,
     as_json: Json = False,

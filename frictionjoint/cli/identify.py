@@ -22,20 +22,17 @@ from frictionjoint.cli.plain_help import option
 from frictionjoint.cli.terminal import console, progress, show_table
 from frictionjoint.law.names import LAWS
 
-Joint = Annotated[
-    str | None,
-    option("NAME", "A joint in the model and in the logs. Default: the model's only joint."),
-]
-Law = Annotated[str, typer.Option(help=LAW_TO_FIT)]
-
 
 @reads_logs("gain", "signal", "fixed", "controller")
 def identify(
     logs: Logs,
     model: Model,
     out: Annotated[Path, option("TOML", "Parameter file to write.")],
-    joint: Joint = None,
-    law: Law = LAWS[0],
+    joint: Annotated[
+        str | None,
+        option("NAME", "A joint in the model and in the logs. Default: the model's only joint."),
+    ] = None,
+    law: Annotated[str, typer.Option(help=LAW_TO_FIT)] = LAWS[0],
     options: LogOptions = NO_OPTIONS,
     force: Force = False,
     as_json: Json = False,

@@ -41,67 +41,6 @@ Columns = Annotated[
         "time_s=500Hz: a sample rate instead of a column of times. Repeatable.",
     ),
 ]
-Signals = Annotated[
-    list[str] | None,
-    option("NAME", "A column that friction may depend on, e.g. a normal load. Repeatable."),
-]
-Wrap = Annotated[
-    float | None,
-    option(
-        "RANGE",
-        "Range at which positions wrap, rad (m). Wraps at one turn and at 25 rad are detected "
-        "without this option.",
-    ),
-]
-Units = Annotated[
-    list[str] | None,
-    option(
-        "QUANTITY=UNIT",
-        "Unit of a quantity that is not in SI units: position=deg, time=ms, "
-        "position=counts:4096 (per turn), or torque=-0.05, the factor to SI. Repeatable.",
-    ),
-]
-Join = Annotated[
-    bool,
-    typer.Option(
-        "--join",
-        help="Each LOG is a folder with one file per signal; files given directly are one log.",
-    ),
-]
-Gain = Annotated[
-    float | None,
-    option(
-        "NUMBER",
-        "Motor constant, N m per A or per V. Default: estimated from the load; where nothing is "
-        "fitted, that of the model.",
-    ),
-]
-Fixed = Annotated[
-    list[str] | None,
-    option(
-        "JOINT=VALUE",
-        "Position of a joint that the logs do not contain, rad or m; x,y,z,qw,qx,qy,qz of a "
-        "floating base. Repeatable.",
-    ),
-]
-
-DropNan = Annotated[
-    bool,
-    typer.Option(
-        "--drop-nan",
-        help="Leave out rows with an empty cell or NaN, and say how many. Otherwise such logs "
-        "are refused.",
-    ),
-]
-ControllerFile = Annotated[
-    str | None,
-    option(
-        "FILE|PRESET|mjcf",
-        "Controller that moved the joints to their targets: a TOML file, with a table "
-        "[joint.NAME] for a joint that differs; or xl330, sts3215, unitree, mit; or mjcf, the "
-        "position servos of the MJCF. Required if the logs contain target and position only.",
-    ),
-]
 Model = Annotated[
     list[str],
     option(
@@ -154,15 +93,67 @@ def the_joint(asked: str | None, model: list[str]) -> str:
 class LogOptions:
     """Options of every command that reads logs, as given, in the order of the help."""
 
-    gain: Gain = None
+    gain: Annotated[
+        float | None,
+        option(
+            "NUMBER",
+            "Motor constant, N m per A or per V. Default: estimated from the load; where nothing "
+            "is fitted, that of the model.",
+        ),
+    ] = None
     column: Columns = None
-    signal: Signals = None
-    wrap: Wrap = None
-    unit: Units = None
-    join: Join = False
-    drop_nan: DropNan = False
-    fixed: Fixed = None
-    controller: ControllerFile = None
+    signal: Annotated[
+        list[str] | None,
+        option("NAME", "A column that friction may depend on, e.g. a normal load. Repeatable."),
+    ] = None
+    wrap: Annotated[
+        float | None,
+        option(
+            "RANGE",
+            "Range at which positions wrap, rad (m). Wraps at one turn and at 25 rad are detected "
+            "without this option.",
+        ),
+    ] = None
+    unit: Annotated[
+        list[str] | None,
+        option(
+            "QUANTITY=UNIT",
+            "Unit of a quantity that is not in SI units: position=deg, time=ms, "
+            "position=counts:4096 (per turn), or torque=-0.05, the factor to SI. Repeatable.",
+        ),
+    ] = None
+    join: Annotated[
+        bool,
+        typer.Option(
+            "--join",
+            help="Each LOG is a folder with one file per signal; files given directly are one log.",
+        ),
+    ] = False
+    drop_nan: Annotated[
+        bool,
+        typer.Option(
+            "--drop-nan",
+            help="Leave out rows with an empty cell or NaN, and say how many. Otherwise such logs "
+            "are refused.",
+        ),
+    ] = False
+    fixed: Annotated[
+        list[str] | None,
+        option(
+            "JOINT=VALUE",
+            "Position of a joint that the logs do not contain, rad or m; x,y,z,qw,qx,qy,qz of a "
+            "floating base. Repeatable.",
+        ),
+    ] = None
+    controller: Annotated[
+        str | None,
+        option(
+            "FILE|PRESET|mjcf",
+            "Controller that moved the joints to their targets: a TOML file, with a table "
+            "[joint.NAME] for a joint that differs; or xl330, sts3215, unitree, mit; or mjcf, the "
+            "position servos of the MJCF. Required if the logs contain target and position only.",
+        ),
+    ] = None
 
     @property
     def files(self) -> list[Path]:
