@@ -24,6 +24,7 @@ from frictionjoint.errors import FrictionJointError
 from frictionjoint.measured.log import split_in_time
 from frictionjoint.measured.readers import read_log
 from frictionjoint.measured.several_files import read_joined
+from frictionjoint.measured.table import ReadOptions
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 1200.0
@@ -119,17 +120,17 @@ def least_squares(case, raw):
     """Relative held-out error of the least squares, as a cell."""
     try:
         folder, joint = raw / case["folder"], case.get("joint", "joint")
-        how = joint, case["columns"], (), None, case.get("units")
+        how = ReadOptions(case["columns"], units=case.get("units") or {})
         if case.get("join"):
-            logs = [read_joined(sorted(folder.iterdir()), *how)]
+            logs = [read_joined(sorted(folder.iterdir()), joint, how)]
         else:
-            logs = [read_log(folder / x, *how) for x in case["logs"]]
+            logs = [read_log(folder / x, joint, **vars(how)) for x in case["logs"]]
         held = case["held_out"]
         if held.startswith("0."):
             parts = [split_in_time(log, float(held)) for log in logs]
             logs, kept = [a for a, _ in parts], [b for _, b in parts]
         else:
-            kept = [read_log(folder / held, *how)]
+            kept = [read_log(folder / held, joint, **vars(how))]
         gravity = not case["model"].startswith(("wheel", "slide"))
         error, _ = held_out_error(_arrays(logs), _arrays(kept), gravity)
     except (FrictionJointError, ValueError, OSError):

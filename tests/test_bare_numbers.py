@@ -9,6 +9,7 @@ from scipy.io import savemat
 from frictionjoint.errors import LogError
 from frictionjoint.measured.readers import read_log
 from frictionjoint.measured.several_files import read_joined
+from frictionjoint.measured.table import ReadOptions
 
 T = np.arange(300) / 200.0
 Q = 0.4 * np.sin(3.0 * T)
@@ -83,16 +84,16 @@ def test_files_whose_rows_belong_together(tmp_path: Path) -> None:
     np.savetxt(tmp_path / "tau.csv", np.column_stack([TAU, Q]), delimiter=",")
     files = [tmp_path / name for name in ("q.mat", "t.mat", "tau.csv")]
     columns = {"time_s": "t", "position_rad": "q[0]", "torque_nm": "tau[0]"}
-    log = read_joined(files, columns=columns)
+    log = read_joined(files, how=ReadOptions(columns))
     np.testing.assert_allclose(log.position, Q)
     assert log.torque is not None
     np.testing.assert_allclose(log.torque, TAU)
     (tmp_path / "t.mat").unlink()
-    log = read_joined([files[0], files[2]], columns=columns | {"time_s": "200Hz"})
+    log = read_joined([files[0], files[2]], how=ReadOptions(columns | {"time_s": "200Hz"}))
     np.testing.assert_allclose(log.time, T, atol=1e-12)
     savemat(tmp_path / "q.mat", {"q": np.column_stack([Q, V])[:-3]})
     with pytest.raises(LogError, match=r"(297|300) numbers"):
-        read_joined([files[0], files[2]], columns=columns | {"time_s": "200Hz"})
+        read_joined([files[0], files[2]], how=ReadOptions(columns | {"time_s": "200Hz"}))
 
 
 @pytest.mark.parametrize("unit", ["-2", "0.5", "1e-2"])

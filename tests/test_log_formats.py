@@ -12,6 +12,7 @@ from frictionjoint.cli.logs import LogOptions, log_paths
 from frictionjoint.errors import LogError
 from frictionjoint.measured.readers import joints_with_drive, log_files, read_log
 from frictionjoint.measured.several_files import read_joined
+from frictionjoint.measured.table import ReadOptions
 from frictionjoint.model_files import compile_model, read_spec
 
 N = 300
@@ -121,7 +122,7 @@ def test_a_file_per_signal_is_one_log(tmp_path: Path) -> None:
     csv(tmp_path / "position_rad.csv", names=("time", "value"), columns=(T, Q))
     csv(tmp_path / "current.csv", names=("Time [s]", "value"), columns=(fine, np.sin(fine)))
     csv(tmp_path / "target_rad.csv", names=("t", "value"), columns=(steps, np.floor(2 * steps)))
-    log = read_joined(sorted(tmp_path.iterdir()), columns={"torque_nm": "current"})
+    log = read_joined(sorted(tmp_path.iterdir()), how=ReadOptions({"torque_nm": "current"}))
     np.testing.assert_array_equal(log.time, T[log.time[0] <= T][: len(log.time)])
     assert log.time[-1] <= steps[-1]
     np.testing.assert_allclose(log.torque, np.sin(log.time), atol=1e-5)

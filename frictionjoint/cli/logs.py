@@ -179,16 +179,18 @@ class LogOptions:
         column is not OURS=THEIRS, or a unit not QUANTITY=UNIT."""
         from frictionjoint.measured.readers import read_log
         from frictionjoint.measured.several_files import read_joined
+        from frictionjoint.measured.table import ReadOptions
         from frictionjoint.measured.units import check_units
 
         fix = "write QUANTITY=UNIT, e.g. position=deg"
         units, columns = by_name("--unit", self.unit or [], fix), columns_of(self.column)
         check_units(units)
 
+        how = ReadOptions(columns, tuple(self.signal or ()), self.wrap, units, self.drop_nan)
+
         def read(path: str | Path, joint: str) -> "JointLog":
-            how = joint or None, columns, self.signal or (), self.wrap, units
-            files = paths.joined.get(Path(path))
-            log = read_joined(files, *how) if files else read_log(path, *how, self.drop_nan)
+            files, name = paths.joined.get(Path(path)), joint or None
+            log = read_joined(files, name, how) if files else read_log(path, name, **vars(how))
             return log if self.gain is None else log.with_gain(self.gain)
 
         return read

@@ -22,7 +22,7 @@ from frictionjoint.measured import parquet
 from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.columns import one_joint, options
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.table import log_of
+from frictionjoint.measured.table import ReadOptions, log_of
 from frictionjoint.measured.units import check_units, unit_of
 
 _INFO = "meta/info.json"
@@ -35,25 +35,20 @@ def is_lerobot(path: Path) -> bool:
     return (path / _INFO).is_file() or episode_of(path)[1] is not None
 
 
-def read_lerobot(
-    path: Path,
-    joint: str | None,
-    columns: Mapping[str, str] | None,
-    units: Mapping[str, str] | None,
-) -> JointLog:
+def read_lerobot(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     """Read one joint of one episode.
 
     Args:
         path: the folder, or ``FOLDER#3`` for episode 3.
-        columns: ``{"episode": "3"}``, the episode's index where there are several and the path
-            names none; ``{"unit": "deg"}`` is short for ``units={"position": "deg"}``.
-        units: see `units`; that of the position must be given.
+        how: columns ``{"episode": "3"}``, the episode's index where there are several and the path
+            names none; ``{"unit": "deg"}`` is short for ``units={"position": "deg"}``, which must
+            be given.
     Raises:
         LogError: not a data set, no such episode or joint, no unit, or see `validate`.
     """
     folder, numbered = episode_of(path)
-    unit, episode = options(path.name, columns, ("unit", "episode"), "a data set")
-    units = dict(units or {})
+    unit, episode = options(path.name, how.columns, ("unit", "episode"), "a data set")
+    units = dict(how.units)
     if unit is not None:
         units.setdefault("position", unit)
     if unit_of(f"{joint}.position_rad", units) is None:
@@ -80,7 +75,7 @@ def read_lerobot(
         if feature in more:
             data[ours] = more[feature][:, positions.index(joint)]
     data |= {f"{n}.position_rad": state[:, i] for i, n in enumerate(positions) if n != joint}
-    log = log_of(path, joint, data, units=units)
+    log = log_of(path, joint, data, ReadOptions(units=units))
     return log if numbered is None else replace(log, name=f"{log.name}#{numbered}")
 
 

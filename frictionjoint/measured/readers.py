@@ -19,7 +19,7 @@ from frictionjoint.measured.columns import check_names, driven_joints
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.rollout import is_rollout, joints_of_rollout, read_rollout
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
-from frictionjoint.measured.table import TABLES, column_names, read_table
+from frictionjoint.measured.table import TABLES, ReadOptions, column_names, read_table
 from frictionjoint.measured.units import check_units
 
 # files of a report that could be logs by their names
@@ -64,18 +64,19 @@ def read_log(
     expect(columns, (Mapping, NoneType), "columns", 'give names by name, {"time_s": "t"}')
     expect(units, (Mapping, NoneType), "units", 'give units by quantity, {"position": "deg"}')
     path = Path(path)
-    check_units(units or {})
-    if special := _of_joints(path, columns):
-        return special[0](path, joint, columns, units)
+    how = ReadOptions(dict(columns or {}), tuple(signals), wrap, dict(units or {}), drop_nan)
+    check_units(how.units)
+    if special := _of_joints(path, how.columns):
+        return special[0](path, joint, how)
     kind = path.suffix.lower()
     if kind in TABLES and path.is_file():
         if kind == ".mat" and not columns and public_logs.is_emps(column_names(path)):
             return public_logs.read_emps(path)
-        return read_table(path, joint, columns, signals, wrap, units, drop_nan)
+        return read_table(path, joint, how)
     unknown = LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
     if not path.is_dir() and kind not in _KINDS:
         raise unknown
-    if columns or signals or wrap or units:
+    if how.columns or how.signals or how.wrap or how.units:
         raise LogError(
             f"{path.name}: --column, --unit, --signal and --wrap apply only to {', '.join(TABLES)}"
         )

@@ -20,7 +20,7 @@ from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import opened_npz
 from frictionjoint.measured.columns import one_joint, options
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.table import log_of
+from frictionjoint.measured.table import ReadOptions, log_of
 from frictionjoint.measured.torch_file import read_tensors
 
 _NAMES = {
@@ -64,22 +64,16 @@ def is_rollout(path: Path, columns: Mapping[str, str] | None) -> bool:
     return bool(held & set(_NAMES["position_rad"])) and bool(held & set(drives))
 
 
-def read_rollout(
-    path: Path,
-    joint: str | None,
-    columns: Mapping[str, str] | None,
-    units: Mapping[str, str] | None,
-) -> JointLog:
+def read_rollout(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     """Read one joint.
 
     Args:
-        columns: ``{"joints": "FL_hip,FL_thigh"}``, names of the joints in the file's order, and
+        how: columns ``{"joints": "FL_hip,FL_thigh"}``, names of the joints in the file's order, and
             ``{"world": "3"}``, the index of the world if there are several.
-        units: see `units`.
     Raises:
         LogError: not such a file, no such joint, or see `validate`.
     """
-    found = _read(path, columns)
+    found = _read(path, how.columns)
     names = found.joints
     joint = one_joint(path.name, names, joint)
     own = names.index(joint)
@@ -89,7 +83,7 @@ def read_rollout(
         if x is not None:
             data |= {f"{n}.{name}": x[:, i] for i, n in enumerate(names) if i != own}
     whole = {name: np.ascontiguousarray(x) for name, x in data.items()}
-    log = log_of(path, joint, whole, units=units)
+    log = log_of(path, joint, whole, ReadOptions(units=how.units))
     return replace(log, metadata={name: float(x[own]) for name, x in found.gains.items()})
 
 

@@ -23,7 +23,7 @@ from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt, part_of
 from frictionjoint.measured.columns import HINGE, KNOWN, SLIDE, one_joint, options
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.table import log_of
+from frictionjoint.measured.table import ReadOptions, log_of
 
 SUFFIXES = (".db3", ".mcap", ".bag")
 _TYPE = "sensor_msgs/msg/JointState"
@@ -42,26 +42,21 @@ def is_bag(path: Path) -> bool:
     return path.suffix.lower() in SUFFIXES or (path / "metadata.yaml").is_file()
 
 
-def read_rosbag(
-    path: Path,
-    joint: str | None,
-    columns: Mapping[str, str] | None,
-    units: Mapping[str, str] | None,
-) -> JointLog:
+def read_rosbag(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     """Read one joint; rows in messages are its samples, counted from 1.
 
     Args:
-        columns: ``{"topic": name}`` if the bag has several JointState topics, ``{"command": name}``
-            for the topic of the commands, ``{"joints": "a,b"}`` for their joints in order if they
-            carry no names, and ``{"position_m": "position"}`` if the joint is a slide; or fields
-            of any messages, also of several samples each, by our names: ``{"topic": name,
-            "position_rad": "state.q[2]"}``. units: see `units`.
+        how: columns ``{"topic": name}`` if the bag has several JointState topics, ``{"command":
+            name}`` for the topic of the commands, ``{"joints": "a,b"}`` for their joints in order
+            if they carry no names, and ``{"position_m": "position"}`` if the joint is a slide; or
+            fields of any messages, also of several samples each, by our names: ``{"topic": name,
+            "position_rad": "state.q[2]"}``.
     Raises:
         LogError: no such topic or joint, rosbags is missing, or see `validate`.
     """
-    mapping = dict(columns or {})
+    mapping, only = dict(how.columns), ReadOptions(units=how.units)
     if any(name in (*KNOWN, "time_s") for name in mapping if mapping[name] != "position"):
-        return _read_fields(path, joint, mapping, units)
+        return _read_fields(path, joint, mapping, only)
     known = ("topic", "command", "joints", "position_m")
     *topics, position = options(path.name, mapping, known, "a bag")
     slide = position == "position"
@@ -85,11 +80,11 @@ def read_rosbag(
             data[f"{other}.position_rad"] = x[:, _POSITION].copy()
             if np.isfinite(x[:, _VELOCITY]).all():
                 data[f"{other}.velocity_rad_s"] = x[:, _VELOCITY].copy()
-    return log_of(path, joint, data, units=units)
+    return log_of(path, joint, data, only)
 
 
 def _read_fields(
-    path: Path, joint: str | None, mapping: dict[str, str], units: Mapping[str, str] | None
+    path: Path, joint: str | None, mapping: dict[str, str], how: ReadOptions
 ) -> JointLog:
     """A log from named fields of the messages of a topic, of whatever type."""
     topic = mapping.pop("topic", None)
@@ -119,7 +114,7 @@ def _read_fields(
         raise LogError(f"{path.name}: a field is missing or contains no numbers: {error}") from None
     data = {name: np.concatenate(parts) for name, parts in found.items()}
     data["time_s"] = data["time_s"] - (0.0 if "time_s" in mapping else data["time_s"][0])
-    return log_of(path, joint or "joint", data, units=units)
+    return log_of(path, joint or "joint", data, how)
 
 
 def joints_of_bag(path: Path, columns: Mapping[str, str] | None) -> list[str]:

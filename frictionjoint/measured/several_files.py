@@ -10,7 +10,7 @@ or, without one, of the file.
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,7 +27,7 @@ from frictionjoint.measured.columns import (
     sample_rate,
 )
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.table import column_names, load_columns, log_of
+from frictionjoint.measured.table import DEFAULT, ReadOptions, column_names, load_columns, log_of
 from frictionjoint.measured.units import converted
 from frictionjoint.measured.validate import check_finite, check_lengths, check_time
 
@@ -38,18 +38,13 @@ _HELD = ("target_rad", "target_m", "torque_enabled")
 
 
 def read_joined(
-    files: Sequence[Path],
-    joint: str | None = None,
-    columns: Mapping[str, str] | None = None,
-    signals: Iterable[str] = (),
-    wrap: float | None = None,
-    units: Mapping[str, str] | None = None,
+    files: Sequence[Path], joint: str | None = None, how: ReadOptions = DEFAULT
 ) -> JointLog:
     """Read one joint from files with one signal each.
 
     Args:
-        files: two or more tables. columns: our column name -> the signal's.
-        joint, signals, wrap, units: see `read_log`.
+        files: two or more tables. joint: see `read_log`.
+        how: all but drop_nan; columns are our column name -> the signal's.
     Returns:
         the log, over the time that all signals cover, named like the folder of the files.
     Raises:
@@ -58,7 +53,7 @@ def read_joined(
     if len(files) < 2:
         raise LogError(f"--join: {len(files)} file, give one file per signal, or their folder")
     source = files[0].parent / (files[0].parent.name or files[0].stem)
-    mapping = dict(columns or {})
+    mapping = dict(how.columns)
     clock = mapping.pop("time_s", None)
     together = bool(sample_rate(clock or "")) or sum(bool(_times(f, clock)) for f in files) == 1
     clocks = {} if together else {file: _clock(file, clock) for file in files}
@@ -67,7 +62,7 @@ def read_joined(
     joint = joint_of(source.name, table, joint)
     wanted = choose(source.name, table, joint)
     wanted.pop("time_s")
-    more = choose_signals(source.name, table, joint, signals, wanted.values())
+    more = choose_signals(source.name, table, joint, how.signals, wanted.values())
     which = {ours: places[theirs] for ours, theirs in (wanted | more).items()}
     if together:
         found = {ours: load_columns(file, [name], "")[name] for ours, (file, name) in which.items()}
@@ -75,13 +70,15 @@ def read_joined(
         check_lengths(source.name, found)
         note = f"{len(files)} files, whose rows belong together."
     else:
-        tracks = {ours: _signal(*x, clocks[x[0]], units or {}) for ours, x in which.items()}
+        tracks = {ours: _signal(*x, clocks[x[0]], how.units) for ours, x in which.items()}
         found = _at_position(source.name, tracks)
-        units = {k: v for k, v in (units or {}).items() if k.rpartition(".")[2] != "time"}
+        units = {k: v for k, v in how.units.items() if k.rpartition(".")[2] != "time"}
+        how = replace(how, units=units)
         note = f"joined from {len(files)} files at the times of the position."
     data = {name: found[name] for name in ("time_s", *wanted)}
     prefix = f"{joint}." if joints_in(table) else ""
-    log = log_of(source, joint, data, prefix, {name: found[name] for name in more}, wrap, units)
+    how, signals = replace(how, drop_nan=False), {name: found[name] for name in more}
+    log = log_of(source, joint, data, how, prefix, signals)
     return replace(log, notes=(f"{log.name}: {note}", *log.notes))
 
 

@@ -5,8 +5,8 @@ read, 8 bytes per row each; at most three times that is used while reading. Meas
 of 10 million rows take 320 MB, with a peak of 930 MB (CSV) or 770 MB (Parquet).
 """
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -38,24 +38,30 @@ _ARRAYS: dict[str, _Arrays] = {
 _SHARED = ("time_s", "temperature_c", "supply_v", "torque_enabled")
 
 
-def read_table(
-    path: Path,
-    joint: str | None,
-    columns: Mapping[str, str] | None = None,
-    signals: Iterable[str] = (),
-    wrap: float | None = None,
-    units: Mapping[str, str] | None = None,
-    drop_nan: bool = False,
-) -> JointLog:
-    """Read one joint from a table; arguments and errors as those of `read_log`."""
-    table = check_names(path.name, column_names(path, columns), dict(columns or {}))
+@dataclass(frozen=True)
+class ReadOptions:
+    """How to read a log; for the attributes see the arguments of `read_log`."""
+
+    columns: dict[str, str] = field(default_factory=dict)
+    signals: tuple[str, ...] = ()
+    wrap: float | None = None
+    units: dict[str, str] = field(default_factory=dict)
+    drop_nan: bool = False
+
+
+DEFAULT = ReadOptions()
+
+
+def read_table(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
+    """Read one joint from a table; errors as those of `read_log`."""
+    table = check_names(path.name, column_names(path, how.columns), how.columns)
     joint = joint_of(path.name, table, joint)
     wanted = choose(path.name, table, joint)
-    more = choose_signals(path.name, table, joint, signals, wanted.values())
+    more = choose_signals(path.name, table, joint, how.signals, wanted.values())
     figures = choose_figures(table, joint)
     layout = layout_of(path) if _has_header(path) else None
     if layout:
-        _require_si(path.name, layout, wanted, units or {})
+        _require_si(path.name, layout, wanted, how.units)
     clock = wanted["time_s"]
     rate = None if clock in table else sample_rate(clock)
     if rate:
@@ -67,7 +73,7 @@ def read_table(
         data["time_s"] = np.arange(len(next(iter(data.values())))) / rate
     further = {name: raw[theirs] for name, theirs in more.items()}
     prefix = f"{joint}." if joints_in(table) else ""
-    log = log_of(path, joint, data, prefix, further, wrap, units, drop_nan)
+    log = log_of(path, joint, data, how, prefix, further)
     if layout and layout.note:
         log = replace(log, notes=(f"{path.stem}: {layout.note}", *log.notes))
     # one that changes on the way is no figure of the log
@@ -92,35 +98,32 @@ def log_of(
     path: Path,
     joint: str,
     data: dict[str, Array],
+    how: ReadOptions = DEFAULT,
     prefix: str = "",
-    signals: dict[str, Array] | None = None,
-    wrap: float | None = None,
-    units: Mapping[str, str] | None = None,
-    drop_nan: bool = False,
+    signals: Mapping[str, Array] | None = None,
 ) -> JointLog:
     """A log from arrays with our column names; wrapped positions and repeated rows are repaired.
 
     Args:
         data: shape (n,) each; names of other joints' motion carry their prefix. In addition to the
             names of `columns`, ``torque_enabled``: above 0.5 while the drive is on.
-        prefix: of the joint's own columns in the file, for messages.
-        signals: further quantities by name. wrap: range at which positions wrap, rad (m).
-        units: unit by quantity, for quantities not in SI units, see `units`.
+        how: wrap, units and drop_nan. prefix: of the joint's own columns in the file, for messages.
+        signals: further quantities by name.
     Raises:
         LogError: see `validate` and `units`.
     """
-    if units:
+    if how.units:
         own_names = {k: k if k in _SHARED or "." in k else f"{joint}.{k}" for k in data}
-        data = {k: converted(path.name, own_names[k], x, units) for k, x in data.items()}
+        data = {k: converted(path.name, own_names[k], x, how.units) for k, x in data.items()}
     text, kept = _has_header(path), None
     signals = signals or {}
-    unprefixed, data = {*_SHARED, *signals}, data | signals
+    unprefixed, data = {*_SHARED, *signals}, {**data, **signals}
     dropped: tuple[str, ...] = ()
 
     def shown(columns: dict[str, Array]) -> dict[str, Array]:
         return {k if k in unprefixed or "." in k else prefix + k: x for k, x in columns.items()}
 
-    if drop_nan:
+    if how.drop_nan:
         validate.check_lengths(path.name, shown(data))
         empty = np.logical_or.reduce([np.isnan(x) for x in data.values()])
         kept = np.flatnonzero(~empty)
@@ -140,7 +143,7 @@ def log_of(
     validate.check_rows(path.name, shown(data), row)
     data, integrated = repairs.with_position(data)
     data, lone = repairs.without_lone_readings(data)
-    data, notes = repairs.unwrapped(path.name, data, wrap)
+    data, notes = repairs.unwrapped(path.name, data, how.wrap)
     validate.check_columns(path.name, shown(data), row)
     own = {name: x for name, x in data.items() if "." not in name}
     validate.check_moves(path.name, shown(own))

@@ -60,9 +60,11 @@ def check_columns(source: str, columns: Mapping[str, Array], row: RowOf) -> None
             _check_magnitude(source, name, x, row)
             _check_fractions(source, name, x)
         for name in columns:
-            if name.rpartition(".")[2] in _SPEED_OF:
-                _check_speed(source, name, columns)
-                _check_target(source, name, columns)
+            prefix, dot, unit = name.rpartition(".")
+            for check, names in ((_check_speed, _SPEED_OF), (_check_target, TARGET_OF)):
+                other = f"{prefix}{dot}{names.get(unit)}"
+                if other in columns:
+                    check(source, name, other, columns)
 
 
 def check_lengths(source: str, columns: Mapping[str, Array]) -> None:
@@ -192,12 +194,8 @@ def _check_fractions(source: str, name: str, x: Array) -> None:
         )
 
 
-def _check_speed(source: str, name: str, columns: Mapping[str, Array]) -> None:
+def _check_speed(source: str, name: str, speed_name: str, columns: Mapping[str, Array]) -> None:
     """Compare with a measured velocity: it reveals a wrong unit of position or time."""
-    prefix, dot, unit = name.rpartition(".")
-    speed_name = f"{prefix}{dot}{_SPEED_OF[unit]}"
-    if speed_name not in columns:
-        return
     power, cross, slope = _compare(columns["time_s"], columns[name], columns[speed_name])
     # Where the two barely correlate the joint barely moves, and units cannot be inferred.
     sure = cross * cross > 0.25 * power * slope
@@ -219,23 +217,19 @@ def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, 
     return float(sums[0]), float(sums[1]), float(sums[2])
 
 
-def _check_target(source: str, name: str, columns: Mapping[str, Array]) -> None:
+def _check_target(source: str, name: str, target_name: str, columns: Mapping[str, Array]) -> None:
     """Compare the units of target and position, because a position follows its target.
 
     A joint may stick and barely move, but does not run far beyond its target. If it moves less,
     only the exact factor of degrees or millimetres counts as a wrong unit, and only for a target
     with much motion.
     """
-    prefix, dot, unit = name.rpartition(".")
-    target_name = f"{prefix}{dot}{TARGET_OF[unit]}"
-    if target_name not in columns:
-        return
     # the standard deviation of what is constant is its rounding, as of a step before the log
     if min(float(np.ptp(columns[c])) for c in (name, target_name)) == 0.0:
         return
     ratio = float(np.std(columns[name]) / np.std(columns[target_name]))
     follows = float(np.corrcoef(columns[name], columns[target_name])[0, 1]) > 0.95
-    factor, far = _MISTAKEN_UNIT[unit]
+    factor, far = _MISTAKEN_UNIT[name.rpartition(".")[2]]
     long = float(np.ptp(columns[target_name])) > far
     mistaken = follows and long and abs(ratio / factor - 1.0) < 0.2
     # a joint does not run 20 times as far as its target
