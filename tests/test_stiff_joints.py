@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
+from frictionjoint.rivals import LuGreParameters
 from tests.seven_links import POSTURE, STEP, stiff_arm
 from tests.standing import one_joint
 
@@ -75,3 +76,24 @@ def test_an_arm_is_pushed_as_far_as_with_a_fraction_of_the_step(ratio):
     assert (travel > 0.3).all()
     rms = np.sqrt(np.mean((coarse - fine) ** 2, axis=0))
     assert (rms < 0.01 * travel).all()
+
+
+LEVELS = {"Fs": 1.0, "Fc": 0.3, "Vs": 0.5}
+CURVE = fj.FrictionParameters.symmetric(**LEVELS, stiffness=1e3)
+
+
+@pytest.mark.parametrize(
+    ("law", "amplitude", "frequency"),
+    [(CURVE, 0.42, 6.0), (LuGreParameters.symmetric(**LEVELS, sigma0=1e3), 0.35, 3.0)],
+)
+def test_a_light_joint_creeps_below_breakaway_as_with_a_fine_step(law, amplitude, frequency):
+    ends = []
+    for step in (1e-2, 5e-4):  # h sqrt(K/J) is 10 and 0.5
+        spec = mujoco.MjSpec.from_string(one_joint(1e-3, step))
+        fj.install(spec, {"j": law})
+
+        def load(t, q):
+            return 0.5 * min(1.0, t) + amplitude * np.sin(2.0 * np.pi * frequency * t)
+
+        ends.append(run(spec.compile(), load, 3.0)[1][-1])
+    assert ends[0] == pytest.approx(ends[1], rel=0.1)

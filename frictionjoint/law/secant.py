@@ -15,7 +15,10 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, in_line
 from frictionjoint.law import bristle, integrated
 from frictionjoint.law.kernel import (
+    DAHL,
+    DAHL_STRIBECK,
     INTEGRATED,
+    LUGRE,
     header_size,
     hysteresis_torque,
     levels_at,
@@ -23,6 +26,7 @@ from frictionjoint.law.kernel import (
     trial,
 )
 from frictionjoint.law.memory import CAPACITY, DIRECTION, FB, FH, HEADER, N_MAX, N_MIN, RATE, VIRGIN
+from frictionjoint.law.relaxation import power
 from frictionjoint.law.stribeck import FS, SIGMA2
 from frictionjoint.law.transition import segment_of_torque, slope
 
@@ -35,6 +39,34 @@ STEEPEST = 2.0
 
 
 @in_line
+def steepening(strain: float, n: float) -> float:
+    """Stiffness at a reversal over that at zero torque, in the 2002 form of the integrated law.
+
+    Args: strain: torque over the breakaway torque of the new direction. n: exponent.
+    """
+    return 1.0 + power(strain, n)
+
+
+@compiled
+def _stiffest(P: Vector, p: int, X: Vector, x: int) -> float:
+    """Stiffness of a motion that reverses at the evaluated torque, N m/rad.
+
+    A contact that moves towards its level is softer.
+    """
+    now = hysteresis_torque(P, p, X, x)
+    strain = abs(now) / P[bristle.side(levels_at(P, p), -now) + FS]
+    K, own = presliding(P, p)[0], p + 1 + bristle.OWN
+    if P[p] == INTEGRATED:
+        if P[p + 1 + integrated.LAMPAERT] == 1.0:
+            K *= steepening(strain, P[p + 1 + integrated.EXPONENT])
+    elif P[p] == LUGRE:
+        K *= 1.0 + strain
+    elif P[p] == DAHL or P[p] == DAHL_STRIBECK:
+        K = P[own] * (1.0 + strain) ** P[own + 1]
+    return K
+
+
+@in_line
 def _tangent(
     P: Vector, p: int, X: Vector, x: int, stiffest: float, way: float
 ) -> tuple[float, float]:
@@ -43,7 +75,10 @@ def _tangent(
         h = x + header_size(P, p)
         if X[h + bristle.DIRECTION] == -way:
             return stiffest, 1.0
-        return stiffest * X[h + bristle.RATE], X[h + bristle.RATE]
+        K = presliding(P, p)[0]
+        if P[p] == DAHL or P[p] == DAHL_STRIBECK:
+            K = P[p + 1 + bristle.OWN]
+        return K * X[h + bristle.RATE], X[h + bristle.RATE]
     h, k = x + HEADER, p + 1 + integrated.KNOTS
     if X[h + DIRECTION] == -way:
         return stiffest, 1.0
@@ -70,7 +105,7 @@ def secant(P: Vector, p: int, X: Vector, x: int, h: float, w: float) -> tuple[fl
 
     Args: h: s, the step. w: rad/s, expected at its end.
     """
-    stiffest, sigma1 = presliding(P, p)
+    stiffest, sigma1 = _stiffest(P, p, X, x), presliding(P, p)[1]
     side = bristle.side(levels_at(P, p), w)
     Fs, sigma2 = P[side + FS], P[side + SIGMA2]
     now = hysteresis_torque(P, p, X, x)
@@ -92,7 +127,7 @@ def implicit_step(
 
     Args: h: s, the step. J: kg m^2, the joint's inertia. impulse: N m s, r above.
     """
-    stiffest, sigma1 = presliding(P, p)
+    stiffest, sigma1 = _stiffest(P, p, X, x), presliding(P, p)[1]
     way = 1.0 if impulse > 0.0 else -1.0
     side = bristle.side(levels_at(P, p), impulse)
     Fs, sigma2 = P[side + FS], P[side + SIGMA2]
@@ -111,7 +146,7 @@ def implicit_step(
     low, at_low = 0.0, -r
     high, at_high = 0.0, 0.0
     K = stiffest
-    for i in range(8):
+    for _ in range(8):
         # rad/s: beyond, the law's search for events would not end
         if not w <= 1e10:
             break
@@ -122,17 +157,17 @@ def implicit_step(
         # the torque at the expected end may miss 2% of the breakaway torque
         if abs(miss) <= 2e-2 * h * Fs:
             break
+        rise = (miss - at_low) / (w - low)
         if miss > 0.0:
             high, at_high = w, miss
         else:
             low, at_low = w, miss
+        slides = r / (J + h * D)
         if at_high > 0.0:
             w = (low * at_high - high * at_low) / (at_high - at_low)
-        elif i == 0:
-            # the curve bends less than it did: the solution that sticks comes first
-            w = r / (J + h * (D + h * max(0.0, K)))
-        elif i == 1:
-            w = r / (J + h * D)
+        elif w < slides:
+            # the curve is concave: a chord does not pass the solution that sticks, if there is one
+            w = min(slides, w - miss / rise) if rise > 0.0 else slides
         else:
             break
     now += sigma1 * min(0.0, rate) * way * w

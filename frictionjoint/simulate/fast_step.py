@@ -20,7 +20,9 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import in_line
 from frictionjoint.law import memory
 from frictionjoint.law.integrated import (
+    EXPONENT,
     KNOTS,
+    LAMPAERT,
     MASING,
     NEGATIVE,
     POSITIVE,
@@ -29,7 +31,7 @@ from frictionjoint.law.integrated import (
     undisturbed,
 )
 from frictionjoint.law.kernel import INTEGRATED
-from frictionjoint.law.secant import REST, SMALL, implicit_step
+from frictionjoint.law.secant import REST, SMALL, implicit_step, steepening
 from frictionjoint.law.stribeck import FS, SIGMA2, stribeck_level
 from frictionjoint.simulate import row
 
@@ -138,6 +140,9 @@ def usual_torque(
         X[e + memory.FORGOTTEN] = X[a + memory.FORGOTTEN]
         X[e + memory.BOUND] = X[a + memory.BOUND]
     # the same computation as in `over_the_step` and `secant.implicit_step`
+    if P[first + LAMPAERT] == 1.0:
+        against = first + NEGATIVE if f > 0.0 else first + POSITIVE
+        stiffest *= steepening(math.fabs(f) / P[against + FS], P[first + EXPONENT])
     inertia = 1.0 / weight if weight > 0.0 and J * weight > 1.0 else J
     impulse = inertia * v + h * (inertia * (v - was) / dt + (constant + gain * v) - f - bent)
     ahead, r = math.copysign(1.0, impulse), math.fabs(impulse)
