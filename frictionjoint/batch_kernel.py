@@ -1,5 +1,7 @@
 """Kernels of `FrictionBatch`: torque, stiffness and damping of joints over a step."""
 
+import math
+
 from frictionjoint.arrays import Index, Vector
 from frictionjoint.compiled import compiled, pointer
 from frictionjoint.law.secant import secant
@@ -32,7 +34,7 @@ def step_joint(
         rounding: relative rounding of positions; 0: double precision.
     """
     at = x + ROW
-    if X[at + row.STARTED] == 0.0:
+    if X[at + row.STEP] == 0.0:
         X[x + CLOCK] = 0.0
         X[x + PLACE] = q
     else:
@@ -47,7 +49,7 @@ def step_joint(
         X[x + PLACE] = X[x + PLACE] + way
     X[x + SHOWN] = q
     X[x + STEP] = h
-    F = row.torque_now(P, p, effects, X, at, X[x + CLOCK], X[x + PLACE], v, 0.0)
+    F = row.torque_now(P, p, effects, X, at, X[x + CLOCK], X[x + PLACE], v, math.inf)
     if F != F:
         return F, 0.0, 0.0
     since = X[at + row.T_EVALUATED] - X[at + row.T_COMMITTED]

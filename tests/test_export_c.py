@@ -72,7 +72,7 @@ def python_torque(carried, t, q, v, around):
     X = np.zeros(row_size(int(law_row_size(law, 0)), len(effects)))
     F = np.empty(len(t))
     for k in range(len(t)):
-        F[k] = torque_now(P, 0, len(law), X, 0, t[k], q[k], v[k], 0.0)
+        F[k] = torque_now(P, 0, len(law), X, 0, t[k], q[k], v[k], np.inf)
         if effects:
             F[k] += effects_torque(P, 0, len(law), X, 0, t[k], q[k], v[k], *around[k])
     return F, X

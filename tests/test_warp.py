@@ -167,8 +167,8 @@ def test_warp_computes_every_effect_as_the_library_does():
     def kernel(P: vector, X: vector, t: vector, u: wp.array2d(dtype=wp.float64), e: int, y: vector):
         for k in range(t.shape[0]):
             # velocity, bias, inertia, armature, unit gravity torques, torque asked for
-            h, v = wp.float64(0.0), u[k, 1]
-            joint(P, 0, e, X, 0, t[k], u[k, 0], v, h, h, u[k, 3], h)
+            long, h, v = wp.float64(1.0), wp.float64(0.0), u[k, 1]
+            joint(P, 0, e, X, 0, t[k], u[k, 0], v, long, h, u[k, 3], h)
             J, rotor, asked = u[k, 3], u[k, 4], u[k, 7]
             y[k] = effect(
                 P, 0, e, X, 0, t[k], u[k, 0], v, u[k, 2], J, rotor, u[k, 5], u[k, 6], asked
@@ -181,7 +181,7 @@ def test_warp_computes_every_effect_as_the_library_does():
     u = np.column_stack([q, np.gradient(q, t), *rigid, q, 1 - q, 3 * q])
     X, expected = np.zeros(size), np.zeros(n)
     for k in range(n):
-        rare_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 0.0, 0.0, u[k, 3], 0.0)
+        rare_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], 1.0, 0.0, u[k, 3], 0.0)
         expected[k] = effects_torque(P, 0, e, X, 0, t[k], u[k, 0], u[k, 1], *u[k, 2:])
     y = wp.zeros(n, dtype=wp.float64, device="cpu")
     arrays = [wp.array(a, dtype=wp.float64, device="cpu") for a in (P, np.zeros(size), t, u)]

@@ -67,8 +67,8 @@ def usual_torque(
         front, a, dt = x + row.T_COMMITTED, x + row.FRONT, since
     if (
         P[p] != INTEGRATED
-        or X[x + row.STARTED] == 0.0
-        or not (gap >= 0.0 and gap <= row.LEAP * max(h, since) and dt > 0.0)
+        or X[x + row.STEP] == 0.0
+        or not (gap >= 0.0 and gap <= row.LEAP * max(h, X[x + row.STEP]) and dt > 0.0)
         or not (math.fabs(q) <= row.ASTRAY and math.fabs(v) <= row.ASTRAY)
     ):
         return np.nan
@@ -126,6 +126,7 @@ def usual_torque(
         for i in range(memory.HEADER):
             X[x + row.FRONT + i] = X[a + i]
     e = x + row.FRONT + memory.HEADER
+    X[x + row.STEP] = h
     X[x + row.T_EVALUATED] = t
     X[x + row.Q_EVALUATED] = place
     X[x + row.V_EVALUATED] = v

@@ -7,7 +7,7 @@ import mujoco
 
 from frictionjoint.simulate.block import ROW
 from frictionjoint.simulate.installed import is_installed, replaced
-from frictionjoint.simulate.row import STARTED, T_EVALUATED
+from frictionjoint.simulate.row import STEP, T_EVALUATED
 
 # models that were warned of, by address
 _warned: set[int] = set()
@@ -26,7 +26,7 @@ def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, in
     if (is_installed() and not off) or model._address in _warned:
         return
     row = int(model.numeric_data[next(iter(found.values())) + ROW])
-    evaluated = float(data.userdata[row + T_EVALUATED]) if data.userdata[row + STARTED] else 0.0
+    evaluated = float(data.userdata[row + T_EVALUATED]) if data.userdata[row + STEP] else 0.0
     # an attached model is evaluated at every step
     if data.time - evaluated <= 1.5 * model.opt.timestep:
         return

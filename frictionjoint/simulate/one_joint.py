@@ -263,7 +263,7 @@ def _unbalanced(given: _Given, X: Vector, q: float, d: float, asked: float) -> f
     for turn in range(2):
         t = -1.0 - h if turn == 0 else -h
         x = q - d if turn == 0 else q
-        F = torque_now(P, 0, effects, X, 0, t, x, 0.0, 0.0)
+        F = torque_now(P, 0, effects, X, 0, t, x, 0.0, math.inf)
         if P[effects] > 0.0:
             F += _effects(given, X, 0, t, x, 0.0, bias, c, s, asked)
     return bias - asked + F
@@ -329,7 +329,7 @@ def _along(given: _Given, X: Vector, S: Vector, begin: int, end: int, drive: Vec
         # smooth; a law is driven by displacement, and each step at one speed is exact
         if (k - begin) % 4 != 0:
             continue
-        torque_now(P, 0, effects, X, 0, t, q, v, 0.0)
+        torque_now(P, 0, effects, X, 0, t, q, v, math.inf)
         if some:
             i = min(k, load.shape[1] - 1)
             c, s = math.cos(q), math.sin(q)

@@ -11,17 +11,17 @@ evaluated one:
 
 No step is longer than ``opt.timestep``, so a gap of several steps is treated as a state set by the
 user, not as motion: for example ``mujoco.rollout`` from states of increasing time, whose user data
-is not part of mjSTATE_FULLPHYSICS. The step is the model's, or the last interval where
-that was longer, so that shortening the time step during a run is no leap.
+is not part of mjSTATE_FULLPHYSICS. The step is the model's, or that of the last evaluation where
+it was longer, so that the time step may change during a run.
 
 Friction is implicit: over a step it is TORQUE + GAIN w, with w the velocity at the step's end, and
 GAIN times the step is added to the joint's entry of MuJoCo's mass matrix
 (``simulate.implicit_mass``).
 
-Row ``X[x:]``: STARTED; time, position, velocity, torque over the step without its GAIN, and GAIN,
-all five committed, then evaluated; the joint's entry of the mass matrix (BASE) and what stands in
-its place (WRITTEN); then the law's row, then the effects' memory, committed and evaluated, then the
-evaluated torque of each effect.
+Row ``X[x:]``: STEP, the time step of the last evaluation (0 before the first); time, position,
+velocity, torque over the step without its GAIN, and GAIN, all five committed, then evaluated; the
+joint's entry of the mass matrix (BASE) and what stands in its place (WRITTEN); then the law's row,
+then the effects' memory, committed and evaluated, then the evaluated torque of each effect.
 """
 
 import mujoco
@@ -34,7 +34,7 @@ from frictionjoint.law.kernel import commit, fit_row, hold_row, hysteresis_torqu
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.secant import implicit_step
 
-STARTED, T_COMMITTED, Q_COMMITTED, V_COMMITTED, TORQUE_COMMITTED, GAIN_COMMITTED = range(6)
+STEP, T_COMMITTED, Q_COMMITTED, V_COMMITTED, TORQUE_COMMITTED, GAIN_COMMITTED = range(6)
 T_EVALUATED, Q_EVALUATED, V_EVALUATED, TORQUE, GAIN, BASE, WRITTEN = range(6, 13)
 # time steps
 LEAP = 3.0
@@ -71,17 +71,15 @@ def torque_now(
 ) -> float:
     """The law's torque at (t, q, v), N m, by the rule above; P[effects] begins the effects.
 
-    A diverged state has no torque: NaN. `step` is the model's time step, s; with 0 no gap counts as
-    a reset.
+    A diverged state has no torque: NaN. `step` is the model's time step, s; if it is infinite, no
+    gap counts as a reset.
     """
     if not (abs(q) <= ASTRAY and abs(v) <= ASTRAY):
         # the law's search for events would not end; what is remembered stays as it is
         return np.nan
     law = x + FRONT
     gap = t - X[x + T_EVALUATED]
-    leap = LEAP * max(step, X[x + T_EVALUATED] - X[x + T_COMMITTED])
-    if X[x + STARTED] == 0.0 or gap < 0.0 or (gap > leap and step > 0.0):
-        X[x + STARTED] = 1.0
+    if X[x + STEP] == 0.0 or gap < 0.0 or gap > LEAP * max(step, X[x + STEP]):
         X[x + T_COMMITTED] = t
         X[x + Q_COMMITTED] = q
         X[x + V_COMMITTED] = v
@@ -103,6 +101,7 @@ def torque_now(
         # still at the start: no motion has led here, wherever "here" is put
         X[x + Q_COMMITTED] = q
     F = hold_row(P, p, X, law, q - X[x + Q_COMMITTED], dt, v)
+    X[x + STEP] = step
     X[x + T_EVALUATED] = t
     X[x + Q_EVALUATED] = q
     X[x + V_EVALUATED] = v

@@ -22,7 +22,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.simulate.block import EFFECTS, HEAD, ROW, effects_of
 from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.row import FRONT, STARTED
+from frictionjoint.simulate.row import FRONT, STEP
 
 
 class _Kind(NamedTuple):
@@ -133,7 +133,7 @@ def _places(model: mujoco.MjModel, data: mujoco.MjData, what: str) -> dict[str, 
     P, found = model.numeric_data, {}
     for name, block in resolve(model).items():
         places = _of_block(P, block, what)
-        if places and data.userdata[int(P[block + ROW]) + STARTED] == 0.0:
+        if places and data.userdata[int(P[block + ROW]) + STEP] == 0.0:
             raise ModelError(
                 f"joint {name!r} has no {what} yet: attach the model and call mj_forward first"
             )

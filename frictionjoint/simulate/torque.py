@@ -18,7 +18,7 @@ from frictionjoint.simulate import block as slot
 from frictionjoint.simulate.block import blocks, effects_of
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.idle_warning import warn_if_idle
-from frictionjoint.simulate.row import FRONT, GAIN, STARTED, T_EVALUATED, TORQUE, V_EVALUATED
+from frictionjoint.simulate.row import FRONT, GAIN, STEP, T_EVALUATED, TORQUE, V_EVALUATED
 from frictionjoint.simulate.thermal import temperature_of
 
 _NAMES = {float(effect.effect_id): effect.name for effect in SIMULATED}
@@ -91,7 +91,7 @@ def _end(model: mujoco.MjModel, data: mujoco.MjData, dof: int, evaluated: float)
 def _of_joint(model: mujoco.MjModel, data: mujoco.MjData, block: int) -> FrictionTorque:
     P, X = model.numeric_data, data.userdata
     x = int(P[block + slot.ROW])
-    if X[x + STARTED] == 0.0:
+    if X[x + STEP] == 0.0:
         nothing, cold = dict.fromkeys(_effects(P, block, X, x), 0.0), temperature_of(P, block, X)
         return FrictionTorque(0.0, 0.0, 0.0, 0.0, 0.0, nothing, True, cold, float("nan"))
     p, law, v = block + slot.HEAD, x + FRONT, float(X[x + V_EVALUATED])

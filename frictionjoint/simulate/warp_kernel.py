@@ -30,7 +30,7 @@ from frictionjoint.simulate.row import (
     ASTRAY,
     BASE,
     GAIN,
-    STARTED,
+    STEP,
     T_EVALUATED,
     TORQUE,
     WRITTEN,
@@ -75,8 +75,8 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         step = t - X[x + TIME_SHOWN]
         way = q - X[x + PLACE_SHOWN]
         if step < double(0.0):
-            X[x + FRONT + STARTED] = double(0.0)
-        if X[x + FRONT + STARTED] == double(0.0):
+            X[x + FRONT + STEP] = double(0.0)
+        if X[x + FRONT + STEP] == double(0.0):
             X[x + CLOCK] = t
             X[x + PLACE] = q
         else:
@@ -285,6 +285,6 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
     def reset(mask: wp.array(dtype=wp.bool), rows: wp.array(dtype=int), state: doubles):
         k, world = wp.tid()
         if mask[world]:
-            state[world, rows[k] + FRONT + STARTED] = double(0.0)
+            state[world, rows[k] + FRONT + STEP] = double(0.0)
 
     return take_back, friction, acted, reset
