@@ -5,24 +5,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.integrated_solver import reference_torque
 
-from frictionjoint import friction_torque
 from frictionjoint.law import memory as m
 from frictionjoint.law.kernel import commit, row_size, start_row, step_row
 from frictionjoint.parameters import FrictionParameters
 
 KNOTS = ((1e-5, 4.0), (3e-5, 8.0), (1e-4, 12.0))
 LAW = FrictionParameters.symmetric(Fs=5.0, Fc=5.0, Vs=0.01, n=8.0, knots=KNOTS)
-
-
-def test_a_spiral_deeper_than_the_stacks_stays_near_full_memory():
-    spiral = 1.4e-5 * 0.96 ** np.arange(160) * (-1.0) ** np.arange(160)
-    q = np.concatenate(([0.0], spiral, -spiral[::-1]))
-    time = np.arange(len(q)) * 0.01
-    wanted, events = reference_torque(LAW, time, q)
-    got = friction_torque(LAW, time, q)
-    assert events["reversal"] > 100
-    assert np.abs(got - wanted).max() < 0.2 * 5.0
-    assert np.abs(got[: m.CAPACITY] - wanted[: m.CAPACITY]).max() < 5e-6
 
 
 @settings(max_examples=30, deadline=None)
@@ -40,4 +28,4 @@ def test_what_is_given_up_costs_less_than_stated(seed, shrink, reversals):
     for dq, F in zip(np.diff(q), wanted[1:], strict=True):
         got = step_row(P, 0, X, 0, dq, 1.0, dq)
         commit(P, 0, X, 0)
-        assert abs(got - F) <= X[m.BOUND] + 1e-5
+        assert abs(got - F) <= min(X[m.BOUND], 0.2 * LAW.Fs_pos) + 1e-5

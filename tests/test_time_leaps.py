@@ -72,5 +72,4 @@ def test_a_time_step_that_varies_is_no_leap(steps):
             mujoco.mj_step(m, data)
             places.append([data.time, *data.qpos])
     late = np.array([q for t, *q in places if t > 2.0])
-    # with short steps the presliding springs still ring a little
     assert np.ptp(late, axis=0).max() < 1e-8

@@ -27,8 +27,8 @@ _SCALARS = {
     "char": ctypes.c_char,
 }
 _MODEL_FIELDS = """nv nnumeric nuserdata numeric_adr numeric_data opt jnt_bodyid jnt_axis M_rowadr
-M_rownnz dof_invweight0 dof_armature nu actuator_trntype actuator_trnid actuator_group actuator_gear
-actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange"""
+M_rownnz dof_invweight0 dof_M0 dof_armature nu actuator_trntype actuator_trnid actuator_group
+actuator_gear actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange"""
 _OPTION_FIELDS = """timestep integrator solver noslip_iterations disableflags disableactuator
 gravity"""
 _DATA_FIELDS = """time qpos qvel qacc qfrc_passive qfrc_constraint userdata sensordata M xmat xaxis

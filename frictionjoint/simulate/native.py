@@ -97,7 +97,7 @@ def native(m: Address, d: Address) -> None:
     h = step
     if shorts_in(m, AT[MODEL.integrator])[0] == RK4:
         h = 0.0
-    weights = reals(m, AT[MODEL.dof_invweight0])
+    weights, locked = reals(m, AT[MODEL.dof_invweight0]), reals(m, AT[MODEL.dof_M0])
     nv = int(wholes_in(m, AT[MODEL.nv])[0])
     M = reals(d, AT[DATA.M])
     first_of, count_of = shorts(m, AT[MODEL.M_rowadr]), shorts(m, AT[MODEL.M_rownnz])
@@ -126,7 +126,9 @@ def native(m: Address, d: Address) -> None:
         entry = int(first_of[dof] + count_of[dof]) - 1
         take_back(X, x, M, entry)
         own = X[x + BASE]
-        F = joint_torque(P, law, effects, X, x, t, q, v, step, h, own, weights[dof])
+        # MuJoCo knows the joint's inertia with all others free at qpos0 only
+        weight = weights[dof] * locked[dof] / own
+        F = joint_torque(P, law, effects, X, x, t, q, v, step, h, own, weight)
         if P[effects] > 0.0:
             joint = int(P[block + JOINT])
             commanded = commanded_torque(m, d, joint, q, v) if gives_less(P, effects) else 0.0

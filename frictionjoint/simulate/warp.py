@@ -78,6 +78,7 @@ class WarpFriction:
             self._blocks = wp.array(made.blocks, dtype=int)
             self._rows = wp.array(made.rows, dtype=int)
             self._loads = wp.array(made.loads, dtype=int)
+            self._locked = wp.array(mjm.dof_M0, dtype=float)
             self._motor_first = wp.array(made.motor_first, dtype=int)
             self._motors = wp.array(made.motors, dtype=int)
             self._no_motor = wp.zeros(n + 1, dtype=int)
@@ -115,7 +116,7 @@ class WarpFriction:
             self._mjw.mul_m(m, d, self._moved, d.qacc)
         bit = self._mjw.DisableBit
         drives = not m.opt.disableflags & bit.ACTUATION
-        body = [m.opt.timestep, m.dof_invweight0, m.M_rowadr, m.M_rownnz, m.dof_armature]
+        body = [m.dof_invweight0, self._locked, m.M_rowadr, m.M_rownnz, m.dof_armature]
         gravity = [m.jnt_bodyid, m.jnt_axis, m.opt.gravity]
         motion = [d.time, d.qpos, d.qvel, d.qfrc_bias, self._moved, d.qacc, d.qfrc_constraint]
         motors = [
@@ -124,7 +125,17 @@ class WarpFriction:
             *(m.actuator_ctrllimited, m.actuator_ctrlrange),
             *(m.actuator_gear, m.actuator_gainprm, m.actuator_biasprm),
         ]
-        inputs = [*where, self._loads, *body, *gravity, *motion, d.xaxis, d.xmat, *motors]
+        inputs = [
+            *where,
+            self._loads,
+            m.opt.timestep,
+            *body,
+            *gravity,
+            *motion,
+            d.xaxis,
+            d.xmat,
+            *motors,
+        ]
         outputs = [d.M, self._of_effects, d.qfrc_passive]
         self._launch(self._friction, [*inputs, self.state], outputs)
         self._mjw.factor_m(m, d)

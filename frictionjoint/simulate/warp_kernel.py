@@ -160,6 +160,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         loads: wp.array(dtype=int),
         timestep: floats,
         weight: wp.array2d(dtype=float),
+        locked: wp.array(dtype=float),
         rowadr: wp.array(dtype=int),
         rownnz: wp.array(dtype=int),
         armature: wp.array2d(dtype=float),
@@ -210,7 +211,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         later = X[x + FRONT + T_EVALUATED] != t
         F = joint_torque(P, law, effects, X, x + FRONT, t, place, v, h)
         if F == F:
-            inverse = double(weight[world % weight.shape[0], dof])
+            inverse = double(weight[world % weight.shape[0], dof]) * double(locked[dof]) / J
             F = implicit_torque(P, law, X, x + FRONT, h, v, J, inverse)
             entry = rowadr[dof] + rownnz[dof] - 1
             mass[world, entry] = float(J + h * X[x + FRONT + GAIN])
