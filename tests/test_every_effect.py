@@ -11,8 +11,9 @@ from acting import acting, arm, ctrl, name, natively, torques
 
 import frictionjoint as fj
 from frictionjoint.effects.catalogue import CATALOGUE, SIMULATED, title
+from frictionjoint.effects.kernel import scales_level
 
-ALL = torques()
+ALL, LEVEL = torques(), "scales the friction level"
 
 
 @pytest.mark.parametrize("effect", ALL, ids=name)
@@ -33,6 +34,7 @@ def test_the_torque_of_each_is_read_by_its_name():
             friction = fj.torque(model, data)["a"]
             seen.append([*friction.effects.values()])
     assert [key.partition("_")[0] for key in friction.effects] == [e.name for e in ALL]
+    assert all(scales_level(e.effect_id) == (e.entry == LEVEL) for e in SIMULATED)
     assert np.abs(seen).max() > 0.1
     law = friction.hysteresis + friction.damping + friction.viscous + friction.implicit
     assert friction.total == pytest.approx(law + sum(seen[-1]), abs=1e-12)

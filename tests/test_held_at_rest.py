@@ -1,5 +1,7 @@
 """Friction holds what stands on it, at any stiffness and damping, and only ever brakes."""
 
+import itertools
+
 import mujoco
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import frictionjoint as fj
-from frictionjoint.effects import nonlinear_viscous
+from frictionjoint.effects import nonlinear_viscous, warm_up_drift
 from frictionjoint.joint_friction import SimulatedEffect
 from tests.standing import LINKAGE, law, one_joint, plain_mass, random_tree, table, with_friction
 
@@ -16,12 +18,13 @@ STEPPING = ["Euler", "implicit", "implicitfast"] + (
 )
 
 
-def speed_of_linkage(model, seconds=4.0):
+def speed_of_linkage(model, seconds=4.0, steps=()):
     """Largest velocity in the last tenth under a load of 0.6 of the breakaway torque, rad/s."""
     data, found = mujoco.MjData(model), 0.0
     with fj.attach(model):
         while data.time < seconds:
             data.qfrc_applied[0] = 0.3 * min(1.0, data.time)
+            model.opt.timestep = next(steps) if steps else model.opt.timestep
             mujoco.mj_step(model, data)
             if data.time > 0.9 * seconds:
                 found = max(found, float(np.abs(data.qvel).max()))
@@ -60,23 +63,34 @@ def test_viscous_friction_never_turns_a_joint_round(damping, integrator):
     assert np.exp(-damping) < v[1] < 1.0 / (1.0 + damping)
 
 
+def pushed(effect, stiffness, top, v=0.0):
+    """Position and velocity of a joint with an effect, under a load from 2 s on."""
+    spec = mujoco.MjSpec.from_string(one_joint(0.1))
+    fj.install(spec, {"j": law(1.0, stiffness)}, {"j": [effect]})
+    model = spec.compile()
+    data, found = mujoco.MjData(model), []
+    data.qvel[0] = v
+    with fj.attach(model):
+        while data.time < 10.0:
+            data.qfrc_applied[0] = top * min(1.0, max(0.0, data.time - 2.0))
+            mujoco.mj_step(model, data)
+            found.append((data.qpos[0], data.qvel[0]))
+    return np.array(found).T
+
+
 @pytest.mark.parametrize("exponent", [0.1, 0.5, 0.9])
 def test_concave_viscous_friction_neither_turns_a_joint_round_nor_lets_it_creep(exponent):
     """Its slope at rest is infinite: an explicit torque vibrates there, and friction ratchets."""
-    spec = mujoco.MjSpec.from_string(one_joint(0.1))
     concave = SimulatedEffect(nonlinear_viscous.EFFECT, (exponent,), (6.0,))
-    fj.install(spec, {"j": law(1.0, 1e4)}, {"j": [concave]})
-    model = spec.compile()
-    data, q, v = mujoco.MjData(model), [], []
-    data.qvel[0] = 1.0
-    with fj.attach(model):
-        while data.time < 10.0:
-            data.qfrc_applied[0] = 0.4 * min(1.0, max(0.0, data.time - 2.0))
-            mujoco.mj_step(model, data)
-            q.append(float(data.qpos[0]))
-            v.append(float(data.qvel[0]))
+    q, v = pushed(concave, 1e4, 0.4, 1.0)
     # the elastic contact swings back once
     assert min(v[:100]) > -0.02
+    assert np.ptp(q[6000:]) < 1e-10
+
+
+def test_a_cold_joint_holds_what_its_friction_bears_which_is_four_times_that_of_its_law():
+    cold = SimulatedEffect(warm_up_drift.EFFECT, (1e6,), (2.1, 0.0))
+    q, _ = pushed(cold, 9e7, 2.4)
     assert np.ptp(q[6000:]) < 1e-10
 
 
@@ -97,6 +111,12 @@ def test_the_first_step_after_a_velocity_is_set_only_brakes_whatever_the_posture
 @pytest.mark.parametrize("ratio", [0.3, 1.0, 3.0, 8.0, 20.0, 1000.0])
 def test_a_closed_linkage_does_not_creep(ratio):
     assert speed_of_linkage(with_friction(LINKAGE, 0.5, ratio), 7.0) < 1e-9
+
+
+@pytest.mark.parametrize("steps", [(1e-3, 1e-2), (1e-3, 1e-3, 4e-3)])
+def test_a_time_step_that_varies_from_step_to_step_holds(steps):
+    model = with_friction(LINKAGE, 0.5, 20.0)
+    assert speed_of_linkage(model, 7.0, itertools.cycle(steps)) < 1e-9
 
 
 @pytest.mark.parametrize("ratio", [1.0, 4.0, 10.0, 30.0, 1000.0])

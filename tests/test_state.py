@@ -61,8 +61,7 @@ def test_step_halves_and_nstep_equal_single_steps():
     m = model()
     with fj.attach(m):
         one, halves = mujoco.MjData(m), mujoco.MjData(m)
-        for data in (one, halves):
-            data.qfrc_applied[:] = [1.3, 0.4]
+        one.qfrc_applied[:] = halves.qfrc_applied[:] = [1.3, 0.4]
         mujoco.mj_step(m, one, nstep=300)
         for _ in range(300):
             mujoco.mj_step1(m, halves)

@@ -59,17 +59,3 @@ def test_what_an_effect_remembers_starts_afresh_too(leap):
         fresh.time = data.time
         fresh.qpos[:], fresh.qvel[:] = data.qpos, data.qvel
         np.testing.assert_array_equal(run(m, data, 100), run(m, fresh, 100))
-
-
-@pytest.mark.parametrize("steps", [(1e-3, 1e-2), (1e-4, 1e-4, 1e-3), (1e-3, 2e-4, 3e-4)])
-def test_a_time_step_that_varies_is_no_leap(steps):
-    m = model()
-    data, places = mujoco.MjData(m), []
-    with fj.attach(m):
-        while data.time < 3.0:
-            m.opt.timestep = steps[len(places) % len(steps)]
-            data.qfrc_applied[0] = min(0.8, data.time)
-            mujoco.mj_step(m, data)
-            places.append([data.time, *data.qpos])
-    late = np.array([q for t, *q in places if t > 2.0])
-    assert np.ptp(late, axis=0).max() < 1e-8

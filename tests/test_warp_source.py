@@ -7,11 +7,12 @@ import pytest
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
 from frictionjoint.law.names import LAWS
-from frictionjoint.simulate.joint_effects import coupled_load, effects_torque, unit_gravity
+from frictionjoint.simulate import joint_effects as on_joint
 from frictionjoint.simulate.row import over_the_step, rare_torque, torque_now
 from frictionjoint.translate.warp import source
 
-KERNELS = [rare_torque, torque_now, over_the_step, effects_torque, unit_gravity, coupled_load]
+KERNELS = [rare_torque, torque_now, over_the_step, on_joint.effects_torque, on_joint.level_gain]
+KERNELS += [on_joint.unit_gravity, on_joint.coupled_load]
 
 
 def functions(text: str) -> dict[str, ast.FunctionDef]:

@@ -37,6 +37,27 @@ effect_torque: Callable[[int, Vector, int, Vector, Vector, int], float] = _space
 
 
 @compiled
+def scales_level(effect_id: int) -> bool:
+    """Whether an effect has a torque proportional to that of the law, see `Effect.entry`."""
+    return bool(
+        effect_id == 5
+        or effect_id == 7
+        or effect_id == 9
+        or effect_id == 12
+        or effect_id == 17
+        or effect_id == 18
+        or effect_id == 21
+        or effect_id == 22
+        or effect_id == 23
+        or effect_id == 25
+        or effect_id == 27
+        or effect_id == 28
+        or effect_id == 29
+        or effect_id == 33
+    )
+
+
+@compiled
 def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -> float:
     """Sum over the block's effects in a simulation; X[each:] becomes the torque of each.
 

@@ -7,9 +7,11 @@ from frictionjoint.compiled import compiled, in_line, room
 from frictionjoint.effects import signals
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.heating import EFFECT as HEATING
-from frictionjoint.effects.kernel import MEMORY, total_torque
-from frictionjoint.law.kernel import coulomb_level, hysteresis_torque
+from frictionjoint.effects.kernel import MEMORY, scales_level, total_torque
+from frictionjoint.law import bristle
+from frictionjoint.law.kernel import coulomb_level, hysteresis_torque, levels_at
 from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.law.stribeck import SIGMA2
 from frictionjoint.simulate import row
 
 _HEATING = float(HEATING.effect_id)
@@ -74,6 +76,30 @@ def effects_torque(
     if heats:
         X[memory + n + 1] = total
     return total
+
+
+@compiled
+def level_gain(P: Vector, p: int, effects: int, X: Vector, x: int, v: float) -> float:
+    """Implicit part of effects that raise the friction level, N m s/rad, over the coming step.
+
+    Their torque is proportional to that of the law, so its spring acts on them too. It is added to
+    the GAIN of the row, after `effects_torque` has been called.
+    """
+    law = x + row.FRONT
+    Fh = hysteresis_torque(P, p, X, law)
+    levels = levels_at(P, p)
+    damping = P[levels] + P[bristle.side(levels, v) + SIGMA2]
+    spring = max(0.0, X[x + row.GAIN] - damping)
+    each = law + law_row_size(P, p) + 2 * MEMORY * int(P[effects])
+    raised = 0.0
+    at = effects + 1
+    for i in range(int(P[effects])):
+        if scales_level(int(P[at])):
+            raised += X[each + i]
+        at += 2 + int(P[at + 1])
+    gain = spring * raised / Fh if raised * Fh > 0.0 else 0.0
+    X[x + row.GAIN] += gain
+    return gain
 
 
 @compiled

@@ -20,6 +20,7 @@ from frictionjoint.simulate.joint_effects import (
     asks_for_load,
     coupled_load,
     effects_torque,
+    level_gain,
     unit_gravity,
 )
 from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, offsets
@@ -159,6 +160,8 @@ def native(m: Address, d: Address) -> None:
             F += effects_torque(
                 P, law, effects, X, x, t, q, v, load, own - rotor, rotor, gx, gy, commanded
             )
+            if F == F:
+                F += level_gain(P, law, effects, X, x, v) * v
         passive[dof] -= F
         if put_in(X, x, M, entry, h):
             changed = True

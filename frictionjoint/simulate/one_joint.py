@@ -20,7 +20,7 @@ from frictionjoint.effects.signals import TEMP
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.joint_effects import effects_torque
+from frictionjoint.simulate.joint_effects import effects_torque, level_gain
 from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, rare_torque, row_size, torque_now
 
 # rows of `Load.numbers`; mean, cosine and sine of each unit torque
@@ -308,6 +308,7 @@ def _part(
         F, damping = X[TORQUE], brake + X[GAIN]
         if some:
             F += _effects(given, X, k, k * h, q, v, bias, c, s, torque - brake * v)
+            damping += level_gain(P, 0, effects, X, 0, v)
         v = (inertia * v + h * (torque - F - bias)) / (inertia + h * damping)
         if not abs(v) < 1e6:  # diverged: what follows means nothing
             for later in range(k + 1, end):

@@ -25,7 +25,12 @@ from typing import Any
 from frictionjoint.arrays import ROUNDING
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, QPOS
-from frictionjoint.simulate.joint_effects import coupled_load, effects_torque, unit_gravity
+from frictionjoint.simulate.joint_effects import (
+    coupled_load,
+    effects_torque,
+    level_gain,
+    unit_gravity,
+)
 from frictionjoint.simulate.row import (
     ASTRAY,
     BASE,
@@ -57,12 +62,13 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
 
     functions = [torque_now, over_the_step]
     if with_effects:
-        functions += [effects_torque, unit_gravity, coupled_load]
+        functions += [effects_torque, level_gain, unit_gravity, coupled_load]
     room = max(header, N_SIGNALS) if with_effects else header
     made = translate(functions, room, f"frictionjoint_warp_{int(with_effects)}_{room}")
     joint_torque = made["simulate_row_torque_now"]
     implicit_torque = made["simulate_row_over_the_step"]
     effect_torque = made.get("simulate_joint_effects_effects_torque")
+    raised_gain = made.get("simulate_joint_effects_level_gain")
     gravity_arms = made.get("simulate_joint_effects_unit_gravity")
     load_of_others = made.get("simulate_joint_effects_coupled_load")
     double, floats, doubles = wp.float64, wp.array(dtype=float), wp.array2d(dtype=wp.float64)
@@ -213,9 +219,6 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         if F == F:
             inverse = double(weight[world % weight.shape[0], dof]) * double(locked[dof]) / J
             F = implicit_torque(P, law, X, x + FRONT, h, v, J, inverse)
-            entry = rowadr[dof] + rownnz[dof] - 1
-            mass[world, entry] = float(J + h * X[x + FRONT + GAIN])
-            X[x + FRONT + WRITTEN] = double(mass[world, entry])
         others_torque = double(0.0)
         if wp.static(with_effects):  # noqa: SIM102 - one test is for the compiler
             if P[effects] > double(0.0):
@@ -254,6 +257,12 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
                 others_torque = effect_torque(
                     P, law, effects, X, x + FRONT, t, q, v, b, J - rotor, rotor, gx, gy, wanted
                 )
+                if F == F:
+                    F = F + raised_gain(P, law, effects, X, x + FRONT, v) * v
+        if F == F:
+            entry = rowadr[dof] + rownnz[dof] - 1
+            mass[world, entry] = float(J + h * X[x + FRONT + GAIN])
+            X[x + FRONT + WRITTEN] = double(mass[world, entry])
         of_effects[world, k] = float(others_torque)
         passive[world, dof] = passive[world, dof] - float(F + others_torque)
 
