@@ -17,6 +17,7 @@ try:
     from dm_control import mujoco as dm_mujoco
     from dm_control.composer.observation import observable
     from dm_control.rl import control
+    from dm_control_joint import Track
 except Exception as error:
     # dm_control 1.0.50 fails on MuJoCo 4 with a KeyError or AttributeError, not an ImportError
     pytest.skip(
@@ -77,20 +78,8 @@ def plain(model: mujoco.MjModel, episodes: int = 1) -> list[np.ndarray]:
     return results
 
 
-class Follow(control.Task):
+class Follow(Track):
     """A task that does nothing but pass the action on."""
-
-    def initialize_episode(self, physics):
-        pass
-
-    def before_step(self, action, physics):
-        physics.set_control(action)
-
-    def after_step(self, physics):
-        pass
-
-    def action_spec(self, physics):
-        return dm_mujoco.action_spec(physics)
 
     def get_observation(self, physics):
         return {"position": physics.data.qpos.copy()}

@@ -50,25 +50,15 @@ def test_it_is_found_with_its_time_constant(prepared):
     assert not found.unexplained
 
 
-def test_an_effect_that_is_left_out_in_the_end_is_listed_and_the_search_goes_on(
-    prepared, monkeypatch
+@pytest.mark.parametrize(("errors", "named"), [(0.0, []), (0.5, ["warm-up-drift"])])
+def test_an_open_size_counts_if_half_of_what_is_left_is_the_effects(
+    prepared, monkeypatch, errors, named
 ):
-    open_by(monkeypatch, 0.0)
+    """Else the effect is listed with the reason, and the search goes on without it."""
+    monkeypatch.setattr(restated, "undetermined", lambda _, fit: dict.fromkeys(fit.effects, errors))
     found = trace(prepared)
-    assert not found.findings
-    assert "warm-up-drift" in [row.name for row in found.last_look.rows]
-    assert any("warm-up" in x and "do not determine its size" in x for x in found.hints)
-    # what it explained has not gone
-    assert found.unexplained
-
-
-def test_an_open_size_is_stated_where_half_of_what_is_left_is_the_effects(prepared, monkeypatch):
-    open_by(monkeypatch, 0.5)
-    assert [f.term.name for f in trace(prepared).findings] == ["warm-up-drift"]
-
-
-def open_by(monkeypatch, errors):
-    """Logs that leave every size open: its distance from zero in standard errors."""
-    monkeypatch.setattr(
-        restated, "undetermined", lambda prepared, fitted: dict.fromkeys(fitted.effects, errors)
-    )
+    assert [f.term.name for f in found.findings] == named
+    if not named:
+        assert "warm-up-drift" in [row.name for row in found.last_look.rows]
+        assert any("warm-up" in x and "do not determine its size" in x for x in found.hints)
+        assert found.unexplained
