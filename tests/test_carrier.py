@@ -61,12 +61,6 @@ def test_a_number_beside_which_mujoco_would_lose_others_is_refused():
         carrying(friction(Fc=1.0, Vs=1.0, n=1.0, sigma1=2e12), [])
 
 
-def test_more_numbers_than_mujoco_can_read_are_refused():
-    waves = [SimulatedEffect(EFFECT, (float(n),), (0.1, 0.2)) for n in range(1, 30)]
-    with pytest.raises(ModelError, match=r"'elbow' needs \d+ numbers.*at most 500"):
-        carrying(friction(), waves)
-
-
 def test_a_model_with_too_little_userdata_gets_room_behind_its_own():
     spec = carrying(friction())
     need, spec.nuserdata = spec.nuserdata, 5

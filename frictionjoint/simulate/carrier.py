@@ -34,8 +34,6 @@ from frictionjoint.simulate.userdata_room import make_room
 
 # MuJoCo 4.0.0 writes what is a 1e-12th of the largest number as zero
 LARGEST = 1e11
-# numbers of a <numeric> beyond which MuJoCo's reader of MJCF ends the process
-MOST_NUMBERS = 500
 
 
 def install(
@@ -96,11 +94,6 @@ def install(
             raise ModelError(
                 f"joint {name!r} has a parameter of {largest:g}, next to which an MJCF loses "
                 f"small ones: stay below {LARGEST:g}"
-            )
-        if len(block) > MOST_NUMBERS:
-            raise ModelError(
-                f"joint {name!r} needs {len(block)} numbers, and MuJoCo loads at most "
-                f"{MOST_NUMBERS} of a <numeric>: give it fewer effects, or a law with fewer knots"
             )
     if replaced:
         take_out(spec, replaced)
