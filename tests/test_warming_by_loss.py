@@ -51,10 +51,8 @@ def test_it_is_found_with_its_time_constant(prepared):
 
 
 @pytest.mark.parametrize(("errors", "named"), [(0.0, []), (0.5, ["warm-up-drift"])])
-def test_an_open_size_counts_if_half_of_what_is_left_is_the_effects(
-    prepared, monkeypatch, errors, named
-):
-    """Else the effect is listed with the reason, and the search goes on without it."""
+def test_an_open_size_counts_if_it_takes_half_of_the_rest(prepared, monkeypatch, errors, named):
+    """Else it is listed with the reason, and the search goes on."""
     monkeypatch.setattr(restated, "undetermined", lambda _, fit: dict.fromkeys(fit.effects, errors))
     found = trace(prepared)
     assert [f.term.name for f in found.findings] == named
