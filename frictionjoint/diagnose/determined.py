@@ -21,6 +21,17 @@ def undetermined(prepared: Prepared, fitted: Fit) -> dict[Term, float]:
     return {term: x for term, x in distances.items() if x < SURELY}
 
 
+def leaves_open(prepared: Prepared, fitted: Fit, i: int) -> bool:
+    """Whether the logs leave a position of the i-th effect open by half of their travel.
+
+    So it is if no log reaches one of two end stops.
+    """
+    at, effect = fitted.layout.numbers(i), fitted.terms[i].effect
+    positions = np.array(effect.shape_units[effect.shape_fixed :]) == "x"
+    errors = _errors(stated_covariance(prepared, fitted), at)
+    return bool(np.any(errors[positions] >= 0.5 * prepared.span))
+
+
 def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     """Distance of the i-th effect from zero size, in standard errors.
 

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.diagnose.candidate import Candidate, is_unnamed
+from frictionjoint.diagnose.determined import leaves_open
 from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
@@ -36,15 +37,16 @@ from frictionjoint.identify.weights import reweighed
 def best_forms(state: State) -> bool:
     """Give each effect the form that predicts best, because the first screening used a biased law.
 
-    Of a form and a richer one that explains hardly more, the simpler one is used.
+    Among forms that predict equally well, the simplest is used. So it is where the logs leave a
+    position of the richer one open, which no prediction can support.
 
     Returns:
         whether a form changed. Then an effect that compensated for the wrong form may be redundant.
     """
     before = state.fit
     for i in range(len(state.fit.effects)):
+        others = other_forms(state.prepared, state.fit, state.fit.effects[i])
         for simpler in (False, True):
-            others = other_forms(state.prepared, state.fit, state.fit.effects[i])
             if simpler:
                 most = numbers_of(state.fit.effects[i])
                 others = [c for c in others if numbers_of(c.term) < most]
@@ -53,7 +55,12 @@ def best_forms(state: State) -> bool:
             blocks = state.blocks
             now = scored(state.fit, blocks)
             other = scored(_in_place_of(state, blocks, i, others)[1], blocks)
-            if as_much(other, now) if simpler else other.better(now):
+            if simpler:
+                open_end = as_much(other, now) and leaves_open(state.prepared, state.fit, i)
+                taken = open_end or not now.better(other)
+            else:
+                taken = other.better(now)
+            if taken:
                 state.prepared, state.fit = reweighed(state.prepared, other.fit)
     return state.fit is not before
 
