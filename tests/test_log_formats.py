@@ -101,6 +101,8 @@ def test_episodes_of_a_data_set_are_logs_of_their_own(tmp_path: Path) -> None:
         read(folder, "kElbow")
     with pytest.raises(LogError, match="give --unit position=deg or position=rad"):
         read_log(f"{folder}#0", "kElbow")
+    with pytest.raises(LogError, match="--wrap and --drop-nan apply only to"):
+        read_log(f"{folder}#0", "kElbow", wrap=25.0)
 
 
 def test_a_folder_of_logs_is_all_of_them_but_those_held_out(tmp_path: Path) -> None:

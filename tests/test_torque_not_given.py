@@ -37,7 +37,6 @@ def test_what_the_torque_says_of_itself_is_no_torque_that_was_not_given(tmp_path
 
 @pytest.mark.parametrize(("away", "shows"), [(0.03, True), (0.0, False)])
 def test_a_hard_end_of_the_range_takes_torque_at_one_place(tmp_path, away, shows):
-    """A drive that saturates asks for more where it is stuck, which need not be the end."""
     asked = 4.0 * LIMIT * (np.abs((Q.max() - Q) / np.ptp(Q) - away) < 0.01)
     prepared = logged(tmp_path, INERTIA * A + asked)
     level = ExcessTerm("torque", 2.0 * LIMIT, (LIMIT, 3.0 * LIMIT))

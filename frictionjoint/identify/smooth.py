@@ -219,6 +219,14 @@ class HysteresisTerm(SmoothTerm):
         """See `Term`."""
         return elastic_plastic(signals[:, Q], np.array(self.reaches))
 
+    def says(self, coefficients: Array, unit: str) -> str:
+        """That the displacement since a reversal counts, not the place, in a sentence."""
+        size = float(np.abs(coefficients).max())
+        return (
+            f"A torque of up to {size:.2g} {unit} builds up after each reversal, over a "
+            "displacement and not at a place: hysteresis that the friction law lacks."
+        )
+
 
 def elastic_plastic(q: Array, reaches: Array) -> Array:
     """Torque of elastic-plastic elements of level 1 along a motion, shape (n, k)."""

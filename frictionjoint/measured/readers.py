@@ -67,6 +67,10 @@ def read_log(
     how = ReadOptions(dict(columns or {}), tuple(signals), wrap, dict(units or {}), drop_nan)
     check_units(how.units)
     if special := _of_joints(path, how.columns):
+        if how.signals or how.wrap or how.drop_nan:
+            raise LogError(
+                f"{path.name}: --signal, --wrap and --drop-nan apply only to {', '.join(TABLES)}"
+            )
         return special[0](path, joint, how)
     kind = path.suffix.lower()
     if kind in TABLES and path.is_file():
@@ -76,9 +80,10 @@ def read_log(
     unknown = LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
     if not path.is_dir() and kind not in _KINDS:
         raise unknown
-    if how.columns or how.signals or how.wrap or how.units:
+    if how.columns or how.signals or how.wrap or how.units or how.drop_nan:
         raise LogError(
-            f"{path.name}: --column, --unit, --signal and --wrap apply only to {', '.join(TABLES)}"
+            f"{path.name}: --column, --unit, --signal, --wrap and --drop-nan apply only to "
+            f"{', '.join(TABLES)}"
         )
     if path.is_dir():
         return public_logs.read_folder(path, joint)

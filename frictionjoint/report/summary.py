@@ -135,7 +135,7 @@ def _missing(s: Summary) -> str:
     if not s.effects:
         if s.unexplained:
             known = all(v in s.causes for v, _ in s.unexplained)
-            what = "no effect of the joint" if known else "something that is no known effect"
+            what = "no effect of the catalogue" if known else "something that is no known effect"
             return f"{what}.{rest}"
         if s.suspected:
             best = s.suspected[0]
