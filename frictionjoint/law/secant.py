@@ -55,7 +55,8 @@ def _stiffest(P: Vector, p: int, X: Vector, x: int) -> float:
     """
     now = hysteresis_torque(P, p, X, x)
     strain = abs(now) / P[bristle.side(levels_at(P, p), -now) + FS]
-    K, own = presliding(P, p)[0], p + 1 + bristle.OWN
+    K, _sigma1 = presliding(P, p)
+    own = p + 1 + bristle.OWN
     if P[p] == INTEGRATED:
         if P[p + 1 + integrated.LAMPAERT] == 1.0:
             K *= steepening(strain, P[p + 1 + integrated.EXPONENT])
@@ -75,7 +76,7 @@ def _tangent(
         h = x + header_size(P, p)
         if X[h + bristle.DIRECTION] == -way:
             return stiffest, 1.0
-        K = presliding(P, p)[0]
+        K, _sigma1 = presliding(P, p)
         if P[p] == DAHL or P[p] == DAHL_STRIBECK:
             K = P[p + 1 + bristle.OWN]
         return K * X[h + bristle.RATE], X[h + bristle.RATE]
@@ -105,7 +106,8 @@ def secant(P: Vector, p: int, X: Vector, x: int, h: float, w: float) -> tuple[fl
 
     Args: h: s, the step. w: rad/s, expected at its end.
     """
-    stiffest, sigma1 = _stiffest(P, p, X, x), presliding(P, p)[1]
+    _at_zero, sigma1 = presliding(P, p)
+    stiffest = _stiffest(P, p, X, x)
     side = bristle.side(levels_at(P, p), w)
     Fs, sigma2 = P[side + FS], P[side + SIGMA2]
     now = hysteresis_torque(P, p, X, x)
@@ -127,7 +129,8 @@ def implicit_step(
 
     Args: h: s, the step. J: kg m^2, the joint's inertia. impulse: N m s, r above.
     """
-    stiffest, sigma1 = _stiffest(P, p, X, x), presliding(P, p)[1]
+    _at_zero, sigma1 = presliding(P, p)
+    stiffest = _stiffest(P, p, X, x)
     way = 1.0 if impulse > 0.0 else -1.0
     side = bristle.side(levels_at(P, p), impulse)
     Fs, sigma2 = P[side + FS], P[side + SIGMA2]
