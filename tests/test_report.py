@@ -176,7 +176,7 @@ def test_the_headline_says_the_cause_of_a_dependence_and_what_the_effects_explai
     cause = {"position": "The logged position seems off by up to 0.04 rad, 1 per turn: look."}
     off = {"unexplained": (("position", 0.9),), "unexplained_causes": cause}
     alone = replace(nothing, verdict="partly-explained", **off)
-    assert "No effect of the joint. The logged position seems off by up to" in alone.summary()
+    assert "No effect of the catalogue. The logged position seems off by up to" in alone.summary()
     for report in (alone, replace(found, verdict="partly-explained", **off)):
         assert "1 per turn: look (90% of the squared residual)." in report.summary()
         assert "no known effect explains" not in report.summary()

@@ -28,7 +28,7 @@ class Joint:
         commit(self.P, 0, self.X, 0)
         return F
 
-    def move_to_torque(self, torque: float, v: float = 1e-3, reach: float = 1e3) -> float:
+    def move_to_torque(self, torque: float, v: float = 1e-3, reach: float = 1e6) -> float:
         """Move towards the torque until Fh is as near to it as doubles allow; returns the way.
 
         The direction follows from the torque; bisection in the displacement, `reach` at most.
