@@ -33,7 +33,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 def _shapes(signals: Array) -> list[Shape]:
     span = float(np.ptp(signals[:, Q]))
-    slips = (1e-4, 2.5e-4, 6e-4, 1.5e-3, 4e-3, 1e-2)  # over the travel
+    slips = (1e-4, 5e-4, 2e-3, 8e-3)  # over the travel
     return [(tau, x * span, 0.1 * x * span) for tau in (0.2, 1.0) for x in slips]
 
 
