@@ -31,7 +31,6 @@ from frictionjoint.diagnose.possible import exceeding_friction
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import (
     State,
-    apart,
     as_much,
     needed,
     numbers_of,
@@ -66,7 +65,7 @@ def _leave_out_undetermined(state: State) -> list[Term]:
     One without which held-out prediction gets worse stays in the model, and the report says that
     its size is open: several such effects carry the evidence together, or the law could replace it
     only where its own numbers end. But where the logs determine no effect, one with an error above
-    its size may be the law's own error in another form, unless it takes half of what is left
+    its size may be the law's own error in another form, unless it takes nearly all that is left
     without it: a slow change is certain long before its end and its rate are known.
 
     Returns:
@@ -82,7 +81,8 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         least = min(unsure, key=lambda term: unsure[term])
         open_size = unsure[least] >= 1.0 or len(unsure) < len(state.fit.effects)
         # a size beyond all friction is none, whatever the model has besides
-        if not idle and unsure[least] > 0.0 and (open_size or apart(now, scores[least])):
+        much = now.gain(scores[least]) >= 1.0 - TIE
+        if not idle and unsure[least] > 0.0 and (open_size or much):
             break
         fewer = best_of(idle, lambda f: f.drive_rms) if idle else fits[least]
         gone = next(term for term, f in fits.items() if f is fewer)
