@@ -146,13 +146,11 @@ def _best_of_each_form(
         places = in_order(
             list(zip(terms, each(begun, terms), strict=True)), lambda pair: pair[1].cost
         )
-        # the two best starts of each form
-        starts = [
-            place
-            for i, (term, place) in enumerate(places)
-            if sum(other.effect == term.effect for other, _ in places[:i]) < 1
-        ]
-        fits = list(each(attempt, starts))
+        # the best start of each form
+        starts: dict[Effect, Place] = {}
+        for term, place in places:
+            starts.setdefault(term.effect, place)
+        fits = list(each(attempt, list(starts.values())))
     best: dict[Effect, Ranked] = {}
     for found in fits:
         term = found.effects[-1]

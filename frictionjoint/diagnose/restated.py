@@ -29,14 +29,7 @@ from frictionjoint.diagnose.look_without import look_without
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked
 from frictionjoint.diagnose.possible import exceeding_friction
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import (
-    State,
-    as_much,
-    needed,
-    numbers_of,
-    with_fewer,
-    without,
-)
+from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
 from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.terms import Term
@@ -80,8 +73,8 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         idle = [fits[term] for term, its in scores.items() if not needed(now, its)]
         least = min(unsure, key=lambda term: unsure[term])
         open_size = unsure[least] >= 1.0 or len(unsure) < len(state.fit.effects)
-        # a size beyond all friction is none, whatever the model has besides
         much = now.gain(scores[least]) >= 1.0 - TIE
+        # a size beyond all friction is none, whatever the model has besides
         if not idle and unsure[least] > 0.0 and (open_size or much):
             break
         fewer = best_of(idle, lambda f: f.drive_rms) if idle else fits[least]

@@ -78,12 +78,12 @@ def trace(
     _follow(state)
     while True:
         _search(state, rng, progress)
-        # what it holds is open until it is finished
+        # finishing changes the model; the search goes on from the one before
         ended = replace(state, left_out={})
         found = finish_search(ended, (prepared, alone), replayed, by_motion, rng)
         if ended.left_out.keys() <= state.excluded.keys():
             return found
-        # an effect that is no cause may have stood for one that was not looked for beside it
+        # an effect that was removed may have hidden another one from the search
         state.excluded |= ended.left_out
         stays = tuple(t for t in state.fit.effects if t.name not in state.excluded)
         state.prepared, state.fit = reweighed(state.prepared, with_fewer(state, stays))

@@ -30,31 +30,19 @@ _space: dict[str, Any] = {
     **{"compiled": compiled, "Vector": Vector, "np": np, "__name__": __name__},
     **{f"kernel_{number}": kernel for number, kernel in _KERNELS.items()},
 }
+_SCALES = """
+@compiled
+def scales_level(effect_id: int) -> bool:
+    return bool({})
+"""
+_scaling = [e.effect_id for e in SIMULATED if e.entry == "scales the friction level"]
 _text = "".join([_HEAD, *map(_CHOICE.format, _KERNELS), "    return np.nan\n"])
+_text += _SCALES.format(" or ".join(f"effect_id == {number}" for number in sorted(_scaling)))
 define(_text, f"effect_torque of {__name__}", _space)
 effect_torque: Callable[[int, Vector, int, Vector, Vector, int], float] = _space["effect_torque"]
 """Torque of one effect, selected by its id: arguments effect_id, P, e, sig, X, x."""
-
-
-@compiled
-def scales_level(effect_id: int) -> bool:
-    """Whether an effect has a torque proportional to that of the law, see `Effect.entry`."""
-    return bool(
-        effect_id == 5
-        or effect_id == 7
-        or effect_id == 9
-        or effect_id == 12
-        or effect_id == 17
-        or effect_id == 18
-        or effect_id == 21
-        or effect_id == 22
-        or effect_id == 23
-        or effect_id == 25
-        or effect_id == 27
-        or effect_id == 28
-        or effect_id == 29
-        or effect_id == 33
-    )
+scales_level: Callable[[int], bool] = _space["scales_level"]
+"""Whether an effect has a torque proportional to that of the law, see `Effect.entry`."""
 
 
 @compiled
