@@ -12,7 +12,7 @@ from frictionjoint.effects.signals import GEAR, inertia_of
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.segment import LEAST_LEVEL, Drive, Prepared
-from frictionjoint.identify.shape import Shape
+from frictionjoint.identify.shape import ENDLESS, LENGTHS, Shape
 from frictionjoint.identify.terms import SHARES, Term
 from frictionjoint.identify.timing import Timing
 
@@ -166,6 +166,15 @@ class Fit:
     def levels(self) -> tuple[float, float]:
         """Fc, and sigma2 or 0 where the fit has none, N m and N m s/rad."""
         return self.coefficient("Fc"), self.coefficient("sigma2")
+
+    @property
+    def ended(self) -> int:
+        """How many numbers of the law are at an end of a range that only keeps a search from
+        running away."""
+        at = zip(self.layout.names, self.bound.tolist(), strict=True)
+        ends = {name.removeprefix("law."): bool(is_at) for name, is_at in at}
+        # without a Stribeck effect its velocity and exponent have no influence
+        return sum(ends.get(n, False) for n in (LENGTHS if ends.get("excess") else ENDLESS))
 
     @property
     def has_level(self) -> bool:

@@ -118,6 +118,9 @@ class KernelShape(Shape):
 _END = "log end"
 _BOTH = ("excess", "log Vs", "delta", _END, "log bend 1", "log bend 2")
 OF_NEGATIVE = " of negative motion"
+# numbers of which no end has a meaning, as no Stribeck effect and a straight curve have
+LENGTHS = (_END, "log length")
+ENDLESS = ("log Vs", "delta", *LENGTHS)
 _NEGATIVE = ("excess" + OF_NEGATIVE, "log Vs" + OF_NEGATIVE)
 
 # Torque of the transition curve's knots over its reach: three segments, as in the paper.

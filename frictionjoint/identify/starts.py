@@ -6,7 +6,9 @@ the search runs for some steps from every form, and to the end from the best one
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
+from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.law_basis import LawBasis
 from frictionjoint.identify.law_start import LawStart
@@ -17,7 +19,7 @@ from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.timing import Timing, VelocityAge, timed
-from frictionjoint.identify.weights import reweighed, weighted_by
+from frictionjoint.identify.weights import reweighed, unlikelihood, weighted_by
 from frictionjoint.threads import one_thread, side_by_side
 
 # samples that a coarse look is at
@@ -54,17 +56,30 @@ def law_alone(
     progress: Callable[[str], None] = lambda text: None,
     open_times: tuple[type[Timing], ...] = (VelocityAge,),
 ) -> tuple[Prepared, Fit]:
-    """First fit of a law alone, with the initial states of its logs; see `with_times`."""
+    """First fit of a law alone, with the initial states of its logs; see `with_times`.
 
-    def made(own: Prepared) -> Fit:
-        return fit(own, forms=known, progress=progress)
+    Weights and fit depend on each other: where a law errs at rest, samples at rest count less, and
+    a law fitted to them errs less there and more in sliding. So the fit begins once with the error
+    at rest that a linear fit leaves, and once with friction at rest unknown. The second fit is
+    the result if fewer of its numbers are at an end of their range, or if it is clearly likelier.
+    """
 
-    prepared, known = _first_look(prepared, forms)
-    prepared, found = with_times(prepared, made, open_times)
-    return reweighed(*settled(*reweighed(prepared, found)))
+    def made(rest_unknown: bool) -> tuple[Prepared, Fit]:
+        weighed, known = _first_look(prepared, forms, rest_unknown)
+        found = with_times(weighed, partial(fit, forms=known, progress=progress), open_times)
+        return reweighed(*settled(*reweighed(*found)))
+
+    found, other = made(False), made(True)
+    ended, its = found[1].ended, other[1].ended
+    if ended != its:
+        return found if ended < its else other
+    likelier = unlikelihood(*other) < (1.0 - CLEARLY) * unlikelihood(*found)
+    return other if likelier else found
 
 
-def _first_look(prepared: Prepared, forms: Sequence[Shape]) -> tuple[Prepared, Sequence[Shape]]:
+def _first_look(
+    prepared: Prepared, forms: Sequence[Shape], rest_unknown: bool
+) -> tuple[Prepared, Sequence[Shape]]:
     """Logs weighted by linear fits of friction, and the forms to fit.
 
     Forms are damped if a linear fit with damping has less than half of the residual, because no
@@ -77,7 +92,8 @@ def _first_look(prepared: Prepared, forms: Sequence[Shape]) -> tuple[Prepared, S
         law = basis.fitted(forms[0], (), prepared.weight)
         parts = [law.sticking(s, top) for s in prepared.segments]
         fractions, stiffnesses = zip(*parts, strict=True)
-        prepared = weighted_by(prepared, fractions, stiffnesses, law.level, law.residual)
+        at_rest = law.level, law.residual, rest_unknown
+        prepared = weighted_by(prepared, fractions, stiffnesses, *at_rest)
     damped, without = (basis.fitted(forms[0], (), prepared.weight, x) for x in (True, False))
     if damped.rms < 0.5 * without.rms:
         forms = [f.with_damping() if isinstance(f, IntegratedShape) else f for f in forms]

@@ -53,6 +53,15 @@ def _errors(prepared: Prepared, sticking: Sequence[Array], residual: Array) -> E
     return Errors(base, root_mean_square(sticks) if sticks.size else 0.0)
 
 
+def unlikelihood(prepared: Prepared, fitted: Fit) -> float:
+    """Inverse of the likelihood per sample, geometric mean, if each residual has the variance that
+    the weights from the fit imply; in `error_unit`."""
+    errors = errors_of(prepared, fitted)
+    spread = errors.sliding / weighted(prepared, fitted, errors).weight
+    squares = (fitted.residual / spread) ** 2
+    return float(np.exp(np.mean(0.5 * squares + np.log(spread / fitted.error_unit))))
+
+
 def errors_elsewhere(prepared: Prepared, fitted: Fit, cov: Array) -> Errors:
     """Expected residuals of a fit, with a covariance of its parameters, on logs other than the
     fitted ones: those with almost no sticking determine no stiffness, and no friction at rest."""
@@ -78,14 +87,18 @@ def weighted_by(
     stiffnesses: Sequence[Array],
     level: float,
     residual: Array,
+    rest_unknown: bool,
 ) -> Prepared:
     """Logs with sample weights before any law is fitted, from the fractions of the friction that
     stick along each log, their stiffnesses, N m/rad, the level of friction at rest, and the
-    residual of the balance on the kept samples of all logs."""
+    residual of the balance on the kept samples of all logs. With `rest_unknown`, friction at rest
+    may be off by its level."""
     stuck = _behind_filter(prepared, fractions)
     pairs = zip(prepared.segments, stiffnesses, strict=True)
     unresolved = [np.minimum(k * s.noise.resolution, level) for s, k in pairs]
     errors = _errors(prepared, stuck, residual)
+    if rest_unknown:
+        errors = errors._replace(sticking=level)
     return _weighed(prepared, stuck, prepared.smooth(unresolved), level, errors)
 
 

@@ -1,5 +1,6 @@
 """Whole searches on simulated joints and arms that take ten seconds and more each."""
 
+import json
 from dataclasses import replace
 
 import mujoco
@@ -33,6 +34,7 @@ from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.starts import law_alone
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.readers import read_log
 from frictionjoint.replay.free_runs import motor_of, simulated_whole
@@ -267,6 +269,18 @@ def test_nothing_is_added_to_a_plain_joint_in_slow_motion(seed, number, tmp_path
     model = tmp_path / "model.xml"
     logs = [read_log(tmp_path / f"fit{k}.csv", joint_of(model)) for k in (1, 2, 3)]
     assert not trace(prepare(logs, RigidBody(model, joint_of(model)))).findings
+
+
+def test_friction_at_rest_that_the_encoder_does_not_resolve_spoils_no_law(tmp_path):
+    """LuGre, which creeps below a count: a law fitted to its rest has the wrong levels."""
+    write_plant(tmp_path, 91417, 3, "none", slowly=True)
+    model = tmp_path / "model.xml"
+    logs = [read_log(tmp_path / f"fit{k}.csv", joint_of(model)) for k in (1, 2, 3)]
+    _, fitted = law_alone(prepare(logs, RigidBody(model, joint_of(model))))
+    found = law_parameters(fitted)
+    true = json.loads((tmp_path / "answer.json").read_text())["truth"]["friction"]
+    assert found.Fs_pos == pytest.approx(true["Fs_pos"], rel=0.1)
+    assert found.Fc_pos == pytest.approx(true["Fc_pos"], rel=0.1)
 
 
 def test_an_eccentric_encoder_is_told_by_the_position(tmp_path):
