@@ -154,7 +154,9 @@ def remarks(
     kept = errors(report)
     worse = [key for key in kept if f"{key}_before" in kept and kept[key] > kept[f"{key}_before"]]
     if worse:
-        said.append(f"Worse than the law alone: {', '.join(worse)}.")
+        listed = ", ".join(worse).replace("_held_out", " (held-out logs)")
+        listed = listed.replace("_fit", " (fitted logs)").replace("replay", "position")
+        said.append(f"Errors larger than with the law alone: {listed}.")
     said += [f"{text}: {', '.join(names)}." for text, names in unsure(report).items() if names]
     return " ".join(said)
 

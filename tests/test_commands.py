@@ -2,6 +2,7 @@
 
 import inspect
 import re
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -34,7 +35,8 @@ def test_identify_finds_the_friction_of_the_shipped_log():
     found = fj.identify([DEMO / "ramps.csv"], DEMO / "joint.xml", "joint")
     # the Coulomb torque of the simulated test joint is 1 N m
     assert 0.6 < found.parameters.Fc_pos < 1.5
-    assert found.unit == "N m"
+    assert re.search(r"^Residual [\d.]+ of [\d.]+ N m rms \([\d.]+%\)\.$", found.residual)
+    assert "close-loop" in replace(found, torque_rms=0.5 * found.drive_rms).residual
     assert re.search(r"Coulomb friction, forward Fc_pos: [\d.]+ ± [\d.]+ N m", found.summary())
     assert repr(found).startswith("Identified(joint='joint', parameters=FrictionParameters(Fs=")
 

@@ -65,7 +65,7 @@ def test_another_payload_is_proposed_where_no_motion_parts_two_effects_and_it_do
     text = to_distinguish(planner, i, other)
     assert re.search(r"joint 'joint', .* rad, up to .* rad/s, with a further payload", text)
     assert f"for {proposal.motion.duration:.0f} s" in text
-    assert "4% of the effect are needed" in text
+    assert "At least 4% and 3 standard deviations are needed" in text
 
     more = 1.0 + proposal.motion.payload
     loaded = replace(spec, mass=more * spec.mass, inertia=more * spec.inertia)

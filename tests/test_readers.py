@@ -185,7 +185,7 @@ def test_ros_bags(tmp_path: Path, plugin: str, stamped: bool) -> None:
         assert list(log.other_positions) == ["wrist"]
         assert read_log(path, "elbow", {"position_m": "position"}).slide
         refused("it has elbow, wrist", path, "hip")
-        refused("name one of elbow, wrist", path, None)
+        refused("name one with --joint: elbow, wrist", path, None)
         no_topic = "no sensor_msgs/msg/JointState topic named /leg"
         refused(no_topic, path, "elbow", {"topic": "/leg"})
 
@@ -244,7 +244,7 @@ def test_a_log_of_pace(tmp_path: Path) -> None:
     assert joints_with_drive(path, {"joints": "hip,knee"}) == ["hip", "knee"]
     for joint, columns, what in (
         ("hip", None, "no joint 'hip', it has joint_1, joint_2"),
-        (None, None, "several joints, name one of"),
+        (None, None, "several joints, name one with --joint: joint_1"),
         ("hip", {"joints": "hip"}, "it has 2 joints, but the names are hip"),
         ("hip", {"unit": "deg"}, "--column takes joints and world"),
     ):

@@ -109,7 +109,7 @@ def test_the_terminal_prints_the_summary(found, capsys):
     told = capsys.readouterr().out
     assert told == noted.summary() + "\n"
     assert "* a thing [to] know\n" in told
-    assert re.search(r"^Smallest further effect .*: 0\.\d+ .*N m \(", told, re.MULTILINE)
+    assert re.search(r"^Smallest detectable .*, rms: from 0\.\d+ .*N m \(.*to .*N m \(", told, re.M)
     assert re.search(r"^Record next: +Record this$", told, re.MULTILINE)
     assert re.search(r"Coulomb friction: +1\.\d+\u00a0±", told)
 
@@ -158,7 +158,11 @@ def test_the_verdict_owns_up(found, nothing):
     )
     assert re.search(r"position .*\u00a0rad, which is worse", astray.summary())
     # a residual far above the noise is not "nothing missing"
-    assert "No effect was found" in nothing.summary()
+    assert "What remains is" in nothing.summary()
+    # held-out motion that the fit does not cover is no matter of noise
+    apart = replace(nothing, after_torque=Rms(0.01, 0.25)).summary()
+    assert "held-out logs is 25 times that on fitted logs" in apart
+    assert "the noise of the instruments" not in apart
     quiet = replace(nothing, noise_floor=nothing.before_torque.held_out)
     assert "Nothing that these logs can show" in quiet.summary()
     # no noise above an error that remains is stated

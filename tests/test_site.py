@@ -35,13 +35,10 @@ def navigation() -> list[str]:
     return re.findall(r":\s+(\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE)
 
 
-def test_every_page_is_listed_once_and_there_are_few():
+def test_every_page_is_listed_once_and_pages_and_words_are_few():
     listed = navigation()
     assert len(listed) == len(set(listed)) <= 14
     assert {page.name for page in PAGES} | GENERATED == set(listed)
-
-
-def test_the_pages_have_few_words():
     assert sum(len(page.read_text().split()) for page in PAGES) < 15_000
 
 
@@ -62,20 +59,13 @@ def test_the_readme_has_its_two_commands_and_its_lines_run(tmp_path, monkeypatch
     assert float(capsys.readouterr().out) == pytest.approx(0.3 * 9.81 * 0.15, rel=1e-3)
 
 
-def test_the_readme_shows_a_moving_picture_below_a_megabyte():
+def test_the_readme_shows_a_moving_picture_below_a_megabyte_and_links_files_that_exist():
     (name,) = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README)
     content = (ROOT / name).read_bytes()
     assert len(content) < 1_000_000
     assert content.count(b"ANMF") > 50, "frames of an animated WebP"
-
-
-def test_files_that_the_readme_links_exist():
     links = re.findall(r"\]\(([^)#]+)\)", README)
     assert [link for link in links if "://" not in link and not (ROOT / link).exists()] == []
-
-
-def test_every_public_name_is_listed_once() -> None:
-    assert sorted(LISTED) == sorted(fj._HOMES)
 
 
 def test_modules_that_the_pages_import_are_listed() -> None:
@@ -86,7 +76,8 @@ def test_modules_that_the_pages_import_are_listed() -> None:
     assert used <= public | set(api_page.MODULES)
 
 
-def test_the_page_says_what_each_name_does() -> None:
+def test_the_page_says_what_each_public_name_does() -> None:
+    assert sorted(LISTED) == sorted(fj._HOMES)
     rows = re.findall(r"^\| `(\w+)\(.*?\)` \| (.+) \|$", api_page.page(), re.MULTILINE)
     assert {name for name, _ in rows} == set(LISTED)
     assert all(len(text) > 10 for _, text in rows)

@@ -141,6 +141,7 @@ CASES = {
     "position beyond the range": wrong("1.5", "degrees?", log=scaled(position_rad=57.3),
                                        model=RANGE.replace("-1.5 1.5", "-0.75 0.75")),
     "time in milliseconds": wrong("time_s", "--unit time=ms", log=scaled(time_s=1e3)),
+    "time in nanoseconds": wrong("time_s", "--unit time=ns", log=scaled(time_s=1e9)),
     "velocity in degrees": wrong(
         "times as fast", "units", log=with_column("velocity_rad_s", 57.3 * np.gradient(
             table()["position_rad"], DT))
@@ -185,7 +186,7 @@ CASES = {
     "a ball joint": wrong("is a ball joint", model=BALL),
     "a slide for a hinge's log": wrong("is a slide in the MJCF", model=SLIDE),
     # tables
-    "no header": wrong("no header", "numbered, 1 to 3", "--column time_s=NAME",
+    "no header": wrong("no header", "numbered, 1 to 3", "--column time_s=NUMBER",
                        log=text_of(table(), header=False)),
     "names of their own": wrong("it has t, q, i", "--column time_s=t --column position_rad=q",
                                 log=renamed(time_s="t", position_rad="q", torque_nm="i")),
@@ -194,8 +195,8 @@ CASES = {
                                     log=renamed(position_rad="position_deg", torque_nm="tau_mNm")),
     "no drive": wrong("'torque_nm' or 'voltage_v' or 'current_a'", "--column torque_nm=effort",
                       log=renamed(torque_nm="effort")),
-    "a map to nothing": wrong("no column 'clock'", options=("--column", "time_s=clock"),
-                              python=None),
+    "a rate without its unit": wrong("no column '500'", "--column time_s=500Hz",
+                                     options=("--column", "time_s=500"), python=None),
     "a map of a name near ours": wrong("--column time=clock", "'time_s'?",
                                        options=("--column", "time=clock"), python=None),
     "a map of a name like no other": wrong("known are time_s, position_rad",
@@ -212,6 +213,8 @@ CASES = {
     "a signal that is not there": wrong("no column 'n' for --signal", options=("--signal", "n"),
                                         python=None),
     "a signal that is used": wrong("omit it", options=("--signal", "torque_nm"), python=None),
+    "a decimal comma": wrong("row 9, position_rad: '1,5'", "write decimal points",
+                             log=with_row('0.014,"1,5",1')),
     "NaN": wrong("row 9, position_rad", "NaN", log=with_row("0.014,nan,1")),
     "a word": wrong("row 9, torque_nm", "'off'", log=with_row("0.014,0.1,off")),
     "an empty cell": wrong("row 9, position_rad", "empty", log=with_row("0.014,,1")),

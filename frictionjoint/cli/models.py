@@ -87,7 +87,7 @@ def uninstall(mjcf: Carrying, out: Out, force: Force = False) -> None:
 
     Native friction that was cleared is not restored; a fitted armature and a motor stay.
 
-    Example: `frictionjoint uninstall arm_friction.xml --out arm.xml`
+    Example: `frictionjoint uninstall arm_friction.xml --out arm_without.xml`
     """
     from frictionjoint.model_files import read_spec
     from frictionjoint.simulate.uninstall import uninstall as uninstall_from_spec
@@ -136,7 +136,7 @@ def check(
             for row in findings
         )
         ratios = "h sqrt(K/J)", "h sigma/J"
-        show_table(("joint", "law", "stiffness K", *ratios, "effects", "remark"), cells)
+        show_table(("joint", "law", "initial stiffness K", *ratios, "effects", "remark"), cells)
         typer.echo(integrator_note(model))
         for row in findings:
             for sentence in row["acts"]:

@@ -54,8 +54,8 @@ def what_to_record(
     }
     for own, other in forms:
         found[own.name, own.form, other.form] = (
-            f"To know which form of {title(own.name)} acts, '{own.form}' or '{other.form}', "
-            f"which explain as much: {own.separating_motion}."
+            f"To determine which form of {title(own.name)} acts, '{own.form}' or '{other.form}', "
+            f"which explain the logs equally well: {own.separating_motion}."
         )
     for variable, cause in unexplained.items():
         if cause:
@@ -75,7 +75,7 @@ def what_to_record(
         found[names] = f"To determine {meanings(names)}: {motion}."
     if not held_out:
         found[("held-out",)] = (
-            "To know the error on unseen data: one more log, given with --held-out."
+            "To know the error on held-out data: one more log, given with --held-out."
         )
     return tuple(dict.fromkeys({**found, **computed}.values()))
 

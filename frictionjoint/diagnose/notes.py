@@ -15,19 +15,19 @@ from frictionjoint.identify.notes import assumed_note, inertia_note
 from frictionjoint.identify.result import scale_note, term_estimates, units_of
 
 REFINED = (
-    "The parameters are refined by simulation: position errors are those of the refined "
-    "parameters, torque errors those of the fit to torque."
+    "The parameters were refined by simulation. The position errors are those of the refined "
+    "parameters, the torque errors those before refinement."
 )
 DIVERGES = (
-    "The simulation diverges: restarted from the log and driven as it says, it leaves the logged "
-    "motion by more than all its travel, so no position error is stated. Check masses, gravity and "
-    "signs of the MJCF, and the units of the logs."
+    "The simulation diverges: driven as logged, it leaves the logged motion by more than the whole "
+    "travel, so no position error is stated. Check masses, gravity and signs of the MJCF, and the "
+    "units of the logs."
 )
 # s, of the window in which an event is looked for
 EVENT_S = 0.5
 NO_LOAD = (
-    "The drive does not grow with the load of the MJCF: check signs and zeros of this joint and of "
-    "those beyond it, or the load is too small to show."
+    "The drive does not grow with the load of the MJCF. Check signs and zeros of this joint and of "
+    "the joints after it, unless the load is too small to measure."
 )
 
 
@@ -87,8 +87,8 @@ def _offset_note(found: Trace, cov: Array) -> tuple[str, ...]:
     each = (term_estimates(found.final, cov, i, prepared.slide) for i in terms)
     offsets = [x for own in each if (x := offset_instead(prepared, own)) is not None]
     return tuple(
-        f"An encoder that reads {x:.3g} rad too much explains the logs as well as a wrong mass: "
-        "compare its zero with that of the MJCF."
+        f"An encoder that reads {x:.3g} rad too much explains the logs equally well as a wrong "
+        "mass: compare its zero with that of the MJCF."
         for x in offsets
     )
 
@@ -111,8 +111,8 @@ def _event_note(found: Trace) -> tuple[str, ...]:
     at = int(np.argmax(squares * (window == worst)))
     return (
         f"{segments[name[at]].name}: {share:.0%} of the squared error lies in {EVENT_S:g} s, at "
-        f"{time[at]:.4g} s: look there for a knock, a wrong reading, a torque that the drive did "
-        "not deliver, or a motion that is too fast for the sample rate.",
+        f"{time[at]:.4g} s. Look there for a collision, a wrong reading, a torque that the drive "
+        "did not deliver, or motion too fast for the sample rate.",
     )
 
 
@@ -126,9 +126,9 @@ def _limit_note(found: Trace) -> tuple[str, ...]:
     if share < 0.01:
         return ()
     return (
-        f"In {share:.0%} of the samples the {prepared.drive} stands at its largest value. That is "
-        "right if the drive was at its limit. If the sensor was, leave these samples out: what it "
-        "hides resembles other effects.",
+        f"In {share:.0%} of the samples the {prepared.drive} is at its largest value. That is "
+        "correct if the drive was at its limit. If the sensor saturated, leave these samples out, "
+        "because the missing torque resembles other effects.",
     )
 
 
@@ -153,9 +153,9 @@ def _constraint_note(found: Trace) -> tuple[str, ...]:
     if found.prepared.commanded:
         drive, late = "target", ", or the controller file lacks a delay"
     return (
-        f"Friction changes direction {1e3 * shape.lead:.2g} ms before the velocity does, as "
-        "MuJoCo's own frictionloss does in a simulation and no real joint. In a log of a real "
-        f"joint, {drive} and position are sampled at different times{late}.",
+        f"Friction changes direction {1e3 * shape.lead:.2g} ms before the velocity does. MuJoCo's "
+        f"frictionloss does that, a real joint does not. If the log is of a real joint, {drive} "
+        f"and position were sampled at different times{late}.",
     )
 
 
@@ -171,8 +171,8 @@ def _rest_note(found: Trace) -> tuple[str, ...]:
         return ()
     return (
         f"In {rest.mean():.0%} of the samples the joint sticks or reverses, where the position "
-        f"hardly determines the torque. They count little in the fit; their error, {error:.3g} "
-        f"{unit} rms, is not part of the torque errors above, which are those of the motion.",
+        "barely determines the torque. They have little weight in the fit, and their error, "
+        f"{error:.3g} {unit} rms, is not included in the torque errors above.",
         *held,
     )
 
@@ -196,8 +196,8 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
         if held.any()
     ]
     return (
-        f"That is more than friction can hold, {level:.2g} {unit}: a stop, a brake or a contact "
-        f"holds the joint at {' and '.join(where)}. Give the joint's range in the MJCF, or leave "
+        f"That is more than friction holds, {level:.2g} {unit}: a stop, a brake or a contact also "
+        f"holds the joint, at {' and '.join(where)}. Add the joint's range to the MJCF, or leave "
         "that part of the log out.",
     )
 
@@ -208,7 +208,6 @@ def _duration_note(found: Trace) -> tuple[str, ...]:
     if not sight.too_short or found.findings or found.unexplained:
         return ()
     return (
-        f"These {sight.duration:.3g} s are too short: the smallest effect that they would have "
-        f"shown is {sight.torque:.2g} {unit} rms. About {sight.needed:.2g} s of such motion are "
-        "needed.",
+        f"These {sight.duration:.3g} s are too short to show an effect below {sight.torque:.2g} "
+        f"{unit} rms. About {sight.needed:.2g} s of such motion are needed.",
     )

@@ -255,7 +255,7 @@ def computed_proposals(
     """
     if planner.at_rest:
         return {
-            ("at rest",): "In these logs the joint moves no more than its position is noisy: "
+            ("at rest",): "In these logs the joint moves no more than the noise of its position: "
             "record motion."
         }
     found: dict[tuple[str, ...], str] = {}
@@ -284,14 +284,14 @@ def to_distinguish(planner: Planner, i: int, other: Term) -> str | None:
         said = "" if found is None else f": at best they differ by {_strength(found.expected)}"
         words = [t.effect.separating_motion for t in (term, other)]
         return (
-            f"No motion tried, up to twice the speed of these logs, should distinguish {names}"
-            f"{said}. What would: {'; or '.join(dict.fromkeys(words))}."
+            f"No motion up to twice the speed of these logs is expected to distinguish {names}"
+            f"{said}. Instead: {'; or '.join(dict.fromkeys(words))}."
         )
     return (
         f"To distinguish {names}: {described(found.motion, planner)}. The two should then differ "
-        f"by {_strength(found.expected)}; in these logs by {_strength(found.now)}. "
-        f"{_DEVIATIONS:.0f} standard deviations and {_SHARE:.0%} of the effect are needed: a "
-        "smaller part of an effect can be an error of the law."
+        f"by {_strength(found.expected)}; in these logs they differ by {_strength(found.now)}. "
+        f"At least {_SHARE:.0%} and {_DEVIATIONS:.0f} standard deviations are needed, because a "
+        "smaller difference can be an error of the law."
     )
 
 

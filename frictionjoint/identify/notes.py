@@ -25,18 +25,17 @@ def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
     if per_torque * np.sqrt(np.mean(gravity**2)) > fitted.rms:
         return ()
     return (
-        "Gravity hardly loads this joint, so the torque scale comes from the MJCF's inertia alone: "
+        "Gravity barely loads this joint, so the torque scale comes from the MJCF's inertia alone: "
         "if that inertia is wrong by a factor, so are all torques. Give --gain, or record motion "
-        "with a payload of known mass that gravity loads.",
+        "with a known payload against gravity.",
     )
 
 
 def other_drive_note(*logs: Prepared | None) -> tuple[str, ...]:
     """Note on parts of logs that are left out because another drive turns the joint."""
     return tuple(
-        f"{segment.name}: {begin:.4g} to {end:.4g} s are left out: the drive is exactly 0 while "
-        "the joint moves, and it does not slow as its friction would slow it, so another drive "
-        "turns it."
+        f"{segment.name}: {begin:.4g} to {end:.4g} s are left out: the logged drive is exactly 0, "
+        "but the joint does not slow down as friction would require, so another drive moves it."
         for prepared in logs
         if prepared
         for segment in prepared.segments
@@ -75,7 +74,7 @@ def assumed_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
             why = _one_way(prepared, fitted)
             said = f"do not determine Coulomb friction{why}; its fitted value, zero, says nothing"
         return (
-            f"These logs {said}. So the model does not hold the joint at rest. "
+            f"These logs {said}. The model therefore does not hold the joint at rest. "
             f"{_SLOW[0].upper()}{_SLOW[1:]}.",
         )
     shape = fitted.shape
@@ -88,19 +87,20 @@ def assumed_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
     if shape.stiffness_assumed:
         found.append(
             "The presliding stiffness is assumed: these logs do not determine it. It is as high as "
-            "the encoder's resolution and the time step allow, or higher where the logs require "
-            "it, so that the joint sticks."
+            "encoder and sample time resolve, or higher if the logs require it, so that the joint "
+            "sticks."
         )
     elif shape.steep_start:
         found.append(
-            "The beginning of the presliding curve is assumed, so that the joint comes to rest: "
-            "these logs hardly damp it there. It is steep up to 0.5% of breakaway friction."
+            "The beginning of the presliding curve is assumed: with the fitted curve the simulated "
+            "joint would ring instead of coming to rest. Up to 0.5% of breakaway friction it is "
+            "steeper than fitted."
         )
     if shape.breakaway_assumed:
         law = law_parameters(fitted).to_dict()
         ratio = round(float(law["Fs_pos"] / law["Fc_pos"]), 3)
         times = f"is {ratio:.3g} times" if ratio > 1.0 else "equals"
-        least = ", the least of the assumed values that the logs allow" if ratio > 1.0 else ""
+        least = ", the smallest value that the logs allow" if ratio > 1.0 else ""
         found.append(
             "The breakaway friction is assumed: these logs do not determine it. It "
             f"{times} Coulomb friction{least}."

@@ -39,6 +39,9 @@ from frictionjoint.parameter_meanings import meaning
 from frictionjoint.parameters import Friction
 from frictionjoint.threads import one_thread
 
+# of the drive: a law that leaves more does not suit the joint, or the logs not the model
+_LARGE = 0.2
+
 
 @dataclass(frozen=True)
 class Identified:
@@ -93,9 +96,10 @@ class Identified:
     @property
     def residual(self) -> str:
         """The residual error of the law, in a sentence."""
-        return (
-            f"Residual {self.torque_rms:.4g} {self.unit} of {self.drive_rms:.4g} {self.unit} rms."
-        )
+        share = self.torque_rms / self.drive_rms
+        sizes = f"{self.torque_rms:.4g} of {self.drive_rms:.4g} {self.unit} rms ({share:.1%})"
+        causes = "check units and zeros, or search for the cause with `frictionjoint close-loop`"
+        return f"Residual {sizes}" + (f": {causes}." if share > _LARGE else ".")
 
 
 @one_thread

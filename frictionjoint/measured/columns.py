@@ -56,7 +56,9 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
         if theirs not in names and not (ours_last == "time_s" and sample_rate(theirs)):
             if ours_last == "time_s" and theirs.lower().endswith("hz"):
                 raise LogError(f"{source}: --column {ours}={theirs}: the rate must be above 0")
-            raise LogError(f"{source}: no column {theirs!r}, {_has(names)}")
+            rate = ours_last == "time_s" and sample_rate(f"{theirs}Hz")
+            fix = f"; a sample rate needs its unit, --column {ours}={theirs}Hz" if rate else ""
+            raise LogError(f"{source}: no column {theirs!r}, {_has(names)}{fix}")
     return {name: name for name in names} | mapping
 
 
@@ -96,7 +98,7 @@ def one_joint(source: str, joints: Sequence[str], joint: str | None) -> str:
         return joint
     if joint is None and len(joints) == 1:
         return joints[0]
-    what = f"no joint {joint!r}, it has" if joint else "several joints, name one of"
+    what = f"no joint {joint!r}, it has" if joint else "several joints, name one with --joint:"
     raise LogError(f"{source}: {what} {_list(joints)}")
 
 
@@ -193,13 +195,14 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
 def _fix(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
     """The command options that would name all missing columns, with likely columns filled in."""
     names, parts = list(table), []
+    unknown = "NUMBER" if _are_numbers(names) else "NAME"
     ours = {x.removeprefix(prefix) for x in names}
     position = () if ours & {"position_rad", "position_m"} else ("position_rad",)
     for wanted in ("time_s", *position, *(() if ours & {*_DRIVES} else (drive,))):
         if wanted not in ours:
             likely = [x for x in names if _LIKELY[wanted].search(x)]
             own = wanted if wanted == "time_s" else f"{prefix}{wanted}"
-            name = likely[0] if len(likely) == 1 else "NAME"
+            name = likely[0] if len(likely) == 1 else unknown
             parts.append(
                 f"--column {own}={name}" if " " not in name else f"--column '{own}={name}'"
             )
@@ -212,9 +215,14 @@ def _fix(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
 def _has(names: Iterable[str]) -> str:
     """The columns of a file, for a message."""
     listed = list(names)
-    if listed == [str(i) for i in range(1, len(listed) + 1)]:
+    if _are_numbers(listed):
         return f"it has no header: its columns are numbered, 1 to {len(listed)}"
     return f"it has {_list(listed)}"
+
+
+def _are_numbers(names: Sequence[str]) -> bool:
+    """Whether the columns of a file without a header are numbered."""
+    return list(names) == [str(i) for i in range(1, len(names) + 1)]
 
 
 def _list(names: Iterable[object]) -> str:

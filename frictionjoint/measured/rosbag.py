@@ -232,7 +232,9 @@ def _messages(
                 "topic=TOPIC --column position_rad=FIELD"
             )
         if topic is None and len(topics) > 1:
-            raise LogError(f"{path.name}: several topics, name one of {', '.join(topics)}")
+            raise LogError(
+                f"{path.name}: several topics, name one with --column topic=: {', '.join(topics)}"
+            )
         chosen = [c for c in found if c.topic == (topic or topics[0])]
         for connection, recorded, raw in reader.messages(connections=chosen):
             yield reader.deserialize(raw, connection.msgtype), recorded

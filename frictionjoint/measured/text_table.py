@@ -119,7 +119,9 @@ def _fault(
         try:
             _values([cells[at]], point, zoned)
         except ValueError:
-            return f"row {number}, {name}: {cells[at][:40]!r} is not a {wanted}"
+            comma = point == "." and "," in cells[at]
+            fix = "write decimal points" if comma else "correct it or leave the row out"
+            return f"row {number}, {name}: {cells[at][:40]!r} is not a {wanted}: {fix}"
     raise AssertionError(name)
 
 

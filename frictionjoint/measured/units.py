@@ -19,7 +19,7 @@ from frictionjoint.errors import LogError
 _TURN = 2.0 * math.pi
 _COUNTS = "counts"
 # factor to SI, by the quantity and the spelling of the unit in lower case without blanks
-_TIME = {
+TIME = {
     "s": 1.0,
     "sec": 1.0,
     "ms": 1e-3,
@@ -60,7 +60,7 @@ _TEMPERATURE = {"c": 1.0, "degc": 1.0, "k": 1.0, "f": 5.0 / 9.0, "degf": 5.0 / 9
 _ZERO = {"k": 273.15, "f": 32.0, "degf": 32.0}
 # our column -> the quantity that --unit names, the one that it inherits from, and its units
 _COLUMNS: dict[str, tuple[tuple[str, ...], dict[str, float]]] = {
-    "time_s": (("time",), _TIME),
+    "time_s": (("time",), TIME),
     "position_rad": (("position",), _ANGLE),
     "target_rad": (("target", "position"), _ANGLE),
     "motor_position_rad": (("motor_position",), _ANGLE),

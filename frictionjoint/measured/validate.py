@@ -11,6 +11,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError, NoMotionError
 from frictionjoint.measured.columns import MEASURED_DRIVES, POSITIONS, TARGET_OF, VELOCITIES
 from frictionjoint.measured.log import FEWEST_ROWS, LARGEST_GAP
+from frictionjoint.measured.units import TIME
 
 # Row number of sample i in the file, as an editor counts it. Called only for an error.
 RowOf = Callable[[int], int]
@@ -103,10 +104,12 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
         )
     median = float(np.median(step))
     if not _STEP_S[0] <= median <= _STEP_S[1]:
+        units = ((name, factor * median) for name, factor in TIME.items())
+        likely = next((x for x, step in units if 1e-4 <= step <= 0.1), "ms (us, ns)")
         kind = "slow for friction" if median > _STEP_S[1] else "fast for a joint"
         raise LogError(
             f"{source}, time_s: {median:g} s between samples is too {kind}: "
-            "give seconds, or the unit of the log, --unit time=ms (us, ns)"
+            f"give seconds, or the unit of the log, --unit time={likely}"
         )
 
 

@@ -190,7 +190,7 @@ def presliding(report: Report) -> Chart | None:
         law.append(sign * c.friction[w])
     x, y = (_with_gaps(parts) for parts in (gone, law))
     return Chart(
-        "Presliding behind the slowest turning points",
+        "Presliding after the slowest reversals",
         f"displacement since the turn, {report.units[1]}",
         f"friction, {report.units[0]}",
         (

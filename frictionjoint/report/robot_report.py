@@ -51,9 +51,8 @@ class Excitation:
     def text(self) -> str:
         """The benefit of the motion, in a sentence."""
         fall = (
-            "should reduce the standard errors of the base parameters to "
-            f"{self.fall[0]:.0%} of the present ones (median; the largest one to "
-            f"{self.fall[1]:.0%})."
+            "should reduce the standard errors of the base parameters by "
+            f"{1.0 - self.fall[0]:.0%} (median), at most by {1.0 - self.fall[1]:.0%}."
         )
         seconds = f"{self.time[-1]:.3g} s"
         if min(self.fall) > 0.9:

@@ -6,6 +6,7 @@ and in `numbers`.
 """
 
 from frictionjoint.decisions import AT_THE_FLOOR, SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.identify.rms import Rms
 from frictionjoint.report.content import Content
 from frictionjoint.report.error_figures import (
     STAGES,
@@ -123,19 +124,24 @@ def _missing(s: Summary) -> str:
     """Effects that the model lacks, in a sentence."""
     noise = s.noise_level
     after = next((e for e in s.errors if e.unit == s.units[0] and e.stage == "after"), None)
-    error = after.values[s.role] if after else None
+    error, fitted = (after.values[s.role], after.values["fit"]) if after else (None, None)
     times = ""
-    if noise and error is not None and error > AT_THE_FLOOR * noise:
+    if error and fitted and Rms(fitted, error).only_fitted:
+        times = (
+            f" The error on held-out logs is {three(error / fitted, 2)} times that on fitted logs: "
+            "fit logs with motion like theirs too."
+        )
+    elif noise and error is not None and error > AT_THE_FLOOR * noise:
         times = f" What remains is {three(error / noise, 2)} times the noise of the instruments."
     elif s.verdict == "partly-explained" and s.effects:
-        times = " The remaining error is not noise: it keeps its sign for longer than noise does."
+        times = " The remaining error is not noise: it is correlated in time."
     rest = _dependences(s)
     if s.verdict == "too-short-to-tell":
         return "these logs are too short for a verdict."
     if not s.effects:
         if s.unexplained:
             known = all(v in s.causes for v, _ in s.unexplained)
-            what = "no effect of the catalogue" if known else "something that is no known effect"
+            what = "no effect of the catalogue" if known else "an unknown cause"
             return f"{what}.{rest}"
         if s.suspected:
             best = s.suspected[0]
@@ -150,7 +156,7 @@ def _missing(s: Summary) -> str:
             # a statement on logs that are at rest half of the time must mention it
             moving = f"the {1.0 - s.at_rest:.0%} of the samples in which the joint moves"
             shown = "these logs" if s.at_rest < 0.5 else moving
-            return f"nothing that {shown} can show; the error is hardly more than the noise."
+            return f"nothing that {shown} can show; the error is close to the noise."
         return (
             "no effect was found; no known effect and no measured quantity explains a significant "
             "part of the error." + times

@@ -24,9 +24,9 @@ def summary_text(content: Mapping[str, Any]) -> str:
     lines += _notes(s)
     shown = [f"{size} ({name})" for name, size in s.smallest if size]
     if shown:
-        ends = " up to ".join(dict.fromkeys((shown[0], shown[-1])))
-        lead = "Smallest further effect that these logs would have shown, rms"
-        lines += ["", f"{lead}: {ends}; all are listed in report.html."]
+        ends = " to ".join(dict.fromkeys((shown[0], shown[-1])))
+        lead = "Smallest detectable further effects, rms"
+        lines += ["", f"{lead}: from {ends}; all are listed in report.html."]
     return "\n".join(lines)
 
 

@@ -142,5 +142,5 @@ def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
     if effect is heating.EFFECT:
         return "warms the joint by the heat of friction"
     if effect in (*temperature_dependent.FORMS, motor_temperature.EFFECT):
-        return "adds a torque, at the temperature that heating or set_temperature gives"
-    return "adds a torque"
+        return "acts at the temperature that heating or set_temperature gives"
+    return "scales friction" if effect.entry == "scales the friction level" else "adds a torque"
