@@ -33,6 +33,7 @@ def main():
     data = mujoco.MjData(model)
     with fj.attach(model):
         mujoco.mj_step(model, data, nstep=10_000)
+    print("after 10 s       position         velocity")
     print(f"frictionjoint  {1e3 * data.qpos[0]:9.4f} mrad, {1e3 * data.qvel[0]:9.2g} mrad/s")
 
     spec = mujoco.MjSpec.from_string(ARM)

@@ -84,7 +84,7 @@ def main() -> None:
         v = v + h / J * actuator.compute(action, q, v).joint_efforts
         q = q + h * v
         positions.append(float(q[0, 0]))
-    print(f"arrays of {type(q).__module__.partition('.')[0]}")
+    print(f"arrays of {type(q).__module__.partition('.')[0]} (torch if it is installed)")
     print(f"target 0.03 rad, below breakaway: the joint stays at {positions[399]:.4f} rad")
     print(f"target 0.30 rad: the joint goes to {positions[-1]:.4f} rad")
 

@@ -13,7 +13,7 @@ from frictionjoint.measured.arguments import expect
 if TYPE_CHECKING:
     from frictionjoint.control.controller_file import GivenController
     from frictionjoint.export.run import Exported
-    from frictionjoint.identify.held import Pose
+    from frictionjoint.identify.fixed_joints import Pose
     from frictionjoint.identify.run import Identified
     from frictionjoint.measured.log import JointLog
     from frictionjoint.report.joint_report import Report

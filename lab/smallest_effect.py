@@ -21,8 +21,8 @@ import numpy as np
 sys.path.append(str(Path(__file__).resolve().parents[1]))  # tests.planting
 from trials import joint_of, on_one_thread
 
+from frictionjoint.diagnose.detection_limit import smallest
 from frictionjoint.diagnose.library import effects
-from frictionjoint.diagnose.sight import smallest
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.prepare import prepare
@@ -48,7 +48,7 @@ def one_folder(folder: Path, each: int, times: float, seed: int) -> list[dict[st
     for name in rng.choice(names, min(each, len(names)), replace=False):
         shapes = [c for c in known if c.term.name == name]
         candidate = shapes[rng.integers(len(shapes))]
-        (stated,) = smallest(found.final, blocks, [candidate], found.sight.torque)
+        (stated,) = smallest(found.final, blocks, [candidate], found.detection_limit.torque)
         with_it = planted(found, logs, candidate, times * stated, rng)
         after = trace(prepare(with_it, body))
         added = [[f.term.name, *f.ties] for f in after.findings]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from test_gate import stages
+from test_early_checks import stages
 
 import frictionjoint as fj
 from frictionjoint import close_loop, uninstall

@@ -8,9 +8,9 @@ from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.candidate import Candidate
+from frictionjoint.diagnose.detection_limit import DetectionLimit
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.moves import Look, Looked
-from frictionjoint.diagnose.sight import Sight
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.position_periodic import EFFECT as WAVE
 from frictionjoint.identify.prepare import prepare
@@ -40,7 +40,9 @@ def named(friction, armature="0.01", motions=(steps, sines, swept), balance=MOTO
     look = Look((), np.zeros(0), 0.0)
     row = Looked(Candidate(MOTOR[0], np.zeros((0, 0))), np.zeros(0), 0.001, 1.0)
     own = tuple(Finding(term, look, row, 1.0, (), (), fitted) for term in balance)
-    found = Trace(prepared, fitted, own, fitted, (), (), look, None, Sight(0.0, 0.0, 0.0, ()))
+    found = Trace(
+        prepared, fitted, own, fitted, (), (), look, None, DetectionLimit(0.0, 0.0, 0.0, ())
+    )
     courses = courses_of(logs, [body] * len(logs), KNOWN)
     found, refined = named_by_motion(found, courses, body.armature)
     assert [f.term for f in found.findings] == list(found.final.effects)

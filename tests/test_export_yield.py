@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from exported import carrying
-from test_gate import stages
+from test_early_checks import stages
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError

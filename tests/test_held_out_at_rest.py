@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_gate import stages
+from test_early_checks import stages
 
 import frictionjoint as fj
 from frictionjoint.errors import LogError

@@ -72,11 +72,11 @@ def test_an_effect_that_another_law_does_without_is_told(prepared):
     base, laws = static(prepared)
     with_dwell = refit(prepared, (EffectTerm(DWELL_TIME, (0.2, 1e-3, 1e-4)),), base.shape)
     assert with_dwell.drive_rms < base.drive_rms
-    assert laws.do_without(prepared, base, with_dwell)
+    assert laws.suffice(prepared, base, with_dwell)
 
 
 def test_an_effect_that_every_law_needs_stays(tmp_path):
     spring = Effect("spring", {"stiffness": 2.0, "rest": 0.0})
     logs = prepared_logs(replace(PLANT, effects=(spring,)), tmp_path)
     base, laws = static(logs)
-    assert not laws.do_without(logs, base, refit(logs, (EffectTerm(SPRING),), base.shape))
+    assert not laws.suffice(logs, base, refit(logs, (EffectTerm(SPRING),), base.shape))

@@ -14,12 +14,12 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
-from frictionjoint.robot.along import Along
 from frictionjoint.robot.causes.base_tilt import BaseTilt
 from frictionjoint.robot.causes.body_inertia import BodyInertia
 from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.causes.of_joint import JointOffset, RotorInertia
 from frictionjoint.robot.causes.payload import Payload
+from frictionjoint.robot.corrected_torque import Along
 from frictionjoint.robot.corrections import (
     Corrections,
     Shaft,

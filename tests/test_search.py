@@ -10,8 +10,8 @@ from plants.spec import Effect, Motion
 from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN
+from frictionjoint.diagnose.detection_limit import smallest
 from frictionjoint.diagnose.library import effects
-from frictionjoint.diagnose.sight import smallest
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import Q
 from frictionjoint.identify.blocks import make_blocks
@@ -88,10 +88,10 @@ def nothing_is_missing(found):
     # the others are compared with it
     assert law_parameters(found.final).law == "integrated"
     assert "lugre" in dict(found.other_laws.errors)
-    assert 0.0 < found.sight.torque < 0.1 * PLANT.friction.Fc
+    assert 0.0 < found.detection_limit.torque < 0.1 * PLANT.friction.Fc
     # what the law imitates has to be larger than what it cannot
-    sizes = {x.name: x for x in found.sight.of_each}
-    assert sizes["torque-bias"].least < 2.0 * found.sight.torque
+    sizes = {x.name: x for x in found.detection_limit.of_each}
+    assert sizes["torque-bias"].least < 2.0 * found.detection_limit.torque
     assert sizes["torque-bias"].most < 0.5 * sizes["nonlinear-viscous"].most
     assert all(x.least <= x.most for x in sizes.values())
 
@@ -105,8 +105,8 @@ def test_the_smallest_effect_that_is_stated_would_have_been_shown(tmp_path):
     name, blocks = "load-dependent", make_blocks(found.prepared, found.final)
     known = effects(found.prepared, found.final, blocks)
     candidate = next(c for c in known if c.term.name == name)
-    (stated,) = smallest(found.final, blocks, [candidate], found.sight.torque)
-    kind = next(x for x in found.sight.of_each if x.name == name)
+    (stated,) = smallest(found.final, blocks, [candidate], found.detection_limit.torque)
+    kind = next(x for x in found.detection_limit.of_each if x.name == name)
     assert 0.99 * kind.least <= stated <= 1.01 * kind.most
     for times, shown in ((1.5, True), (0.3, False)):
         rng = np.random.default_rng(1)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import frictionjoint.diagnose.restated as restated
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.warm_up_drift import BY_WHOLE_LOSS
 from frictionjoint.identify.prepare import prepare
@@ -53,7 +52,8 @@ def test_it_is_found_with_its_time_constant(prepared):
 @pytest.mark.parametrize(("errors", "named"), [(0.0, []), (0.5, ["warm-up-drift"])])
 def test_an_open_size_counts_if_it_takes_half_of_the_rest(prepared, monkeypatch, errors, named):
     """Else it is listed with the reason, and the search goes on."""
-    monkeypatch.setattr(restated, "undetermined", lambda _, fit: dict.fromkeys(fit.effects, errors))
+    open_sizes = "frictionjoint.diagnose.final_evidence.undetermined"
+    monkeypatch.setattr(open_sizes, lambda _, fit: dict.fromkeys(fit.effects, errors))
     found = trace(prepared)
     assert [f.term.name for f in found.findings] == named
     if not named:

@@ -51,9 +51,9 @@ app = typer.Typer(
         "the time step is short enough, `view` opens MuJoCo's viewer.\n\n"
         "Each command's `--help` has examples; `--json` prints results for a script. "
         "No log yet? `frictionjoint data list` names public ones.\n\n"
-        "Exit codes: 0 done; 2 bad input or wrong usage, one line on stderr, nothing written; "
-        "130 interrupted; 143 terminated; 1 an error of this program, of `drift` a number that has "
-        "changed, of `check --strict` a finding."
+        "Exit codes: 0 done; 1 a changed number (`drift`), a finding (`check --strict`), an error "
+        "of this program; 2 bad input or wrong usage, one line on stderr, nothing written; 130 "
+        "interrupted; 143 terminated."
     ),
 )
 

@@ -52,10 +52,9 @@ def close_loop(
         bool | None,
         typer.Option(
             "--refine/--no-refine",
-            help="Finally fit all numbers to the simulated motion, and use them if they predict "
-            "logs left out of this fit better. Default: only if the logs have a target and the "
-            "controller is known. --refine: also in other cases, in windows of half a second "
-            "driven by the measured torque.",
+            help="Finally fit all parameters to the simulated motion, and use them if they predict "
+            "left-out logs better. Default: only if the logs have a target and the controller is "
+            "known. --refine: also with measured torque, in windows of half a second.",
         ),
     ] = None,
     options: LogOptions = NO_OPTIONS,

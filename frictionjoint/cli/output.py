@@ -11,7 +11,7 @@ import typer
 
 from frictionjoint.errors import FrictionJointError
 
-Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist, but no input.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files, except inputs.")]
 Open = Annotated[bool, typer.Option("--open", help="Open the page in the browser.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 

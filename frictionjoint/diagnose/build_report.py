@@ -99,7 +99,7 @@ def build_report(
         laws=(law_parameters(base), law_parameters(final)),
         curves=parts.curves(moving, kept_back, found),
         rankings=parts.rankings(found),
-        smallest=() if found.sight.too_short else found.sight.of_each,
+        smallest=() if found.detection_limit.too_short else found.detection_limit.of_each,
         law_errors={
             law_parameters(final).law: final.rms_in_motion,
             **dict(found.other_laws.errors),

@@ -53,14 +53,14 @@ def named_by_motion(
     Args:
         found: outcome of the search by torque. courses: the fitted logs. armature: of the MJCF.
     """
-    found, now = _asked_for(found, courses, armature, progress)
+    found, now = _with_supported_effects(found, courses, armature, progress)
     return found, _with_armature(found, now, courses, progress)
 
 
-def _asked_for(
+def _with_supported_effects(
     found: Trace, courses: Sequence[Course], armature: float, progress: Callable[[str], None]
 ) -> tuple[Trace, Refined]:
-    """The model with the effects that the simulated motion of whole logs supports."""
+    """Add the effects that the simulated motion of whole logs supports, best first."""
     now = refine(found.prepared, found.final, courses, progress)
     if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
         return found, now
@@ -71,7 +71,7 @@ def _asked_for(
             prepared, fitted = reweighed(found.prepared, fitted)
             term = fitted.effects[-1]
             other = _tried(prepared, fitted, courses, armature, partial(_begin, now, coefficients))
-            part = taken(other, now) / float(np.mean(now.found.near_fitted**2))
+            part = error_removed(other, now) / float(np.mean(now.found.near_fitted**2))
             progress(f"checking {term.name} by the simulated motion: error down by {part:.0%}")
             if not is_large(other, now, courses):
                 continue
@@ -141,9 +141,8 @@ def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
 def held_out_evidence(term: Term, other: Tried, now: Refined) -> Look:
     """Evidence for an effect from held-out kinds of logs, one block per log.
 
-    It is taken from windows that start at the measured motion, where the effect was screened. In a
-    whole log, a joint that sticks once too early or too late stays at another position for the rest
-    of the log with either model, and a single log of this kind would decide.
+    It comes from windows that start at the measured motion. In a simulation of a whole log, a joint
+    that sticks once too early stays at another position, and a single such log would decide.
     """
     own, without = other.near, now.found.near
     p_value = sign_flips(without - own, np.random.default_rng(0))
@@ -152,12 +151,11 @@ def held_out_evidence(term: Term, other: Tried, now: Refined) -> Look:
     return Look((row,), without**2, 0.0)
 
 
-def taken(other: Tried, now: Refined) -> float:
+def error_removed(other: Tried, now: Refined) -> float:
     """Mean square error that an effect removes from the windows of the logs, rad^2 (m^2).
 
-    The models were fitted to all logs. If a kind of logs is left out, both models also lose
-    parameters that only this kind determines, such as viscous friction at its speeds; that loss
-    would hide what the effect removes.
+    The models were fitted to all logs: without a kind of logs, both would lose parameters that only
+    this kind determines, which would hide what the effect removes.
     """
     return float(np.mean(now.found.near_fitted**2 - other.near_fitted**2))
 
@@ -165,10 +163,9 @@ def taken(other: Tried, now: Refined) -> float:
 def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
     """Whether an effect removes as much as the search by torque requires, and one encoder count.
 
-    No law is exact. The logs do not show whether a smaller improvement comes from an effect or from
-    an error of the law.
+    A smaller improvement may come from an error of the law.
     """
-    nearer = taken(other, now)
+    nearer = error_removed(other, now)
     count = np.mean([course.run.block[COUNT] ** 2 for course in courses])
     return nearer >= max(SMALLEST_GAIN * float(np.mean(now.found.near_fitted**2)), float(count))
 
@@ -191,10 +188,10 @@ def _promising(
 
     before = squares(final)
     models = []
-    screened = _beside(prepared, now, objective, armature)
+    screened = _first_order_gains(prepared, now, objective, armature)
     taken = {term.name for term, _ in screened}
     left_open: list[tuple[EffectTerm, Array | None]] = [
-        (term, None) for term in _left_open(prepared, final) if term.name not in taken
+        (term, None) for term in _nearly_named(prepared, final) if term.name not in taken
     ]
     for term, coefficients in [*screened, *left_open]:
         fitted = refit(prepared, (*final.effects, term), final.shape, ROUGH)
@@ -208,7 +205,7 @@ def _promising(
     return [(fitted, c) for gain, fitted, c in models[:ALTERNATIVES] if gain >= least]
 
 
-def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:
+def _nearly_named(prepared: Prepared, final: Fit) -> list[EffectTerm]:
     """Effects for which the torque balance gives evidence, but not enough to name them."""
     blocks = make_blocks(prepared, final)
     candidates = effects(prepared, final, blocks)
@@ -223,10 +220,11 @@ def _left_open(prepared: Prepared, final: Fit) -> list[EffectTerm]:
     ]
 
 
-def _beside(
+def _first_order_gains(
     prepared: Prepared, now: Refined, objective: Objective, armature: float
 ) -> list[tuple[EffectTerm, Array]]:
-    """Effects that would reduce the squared error of the refined motion."""
+    """Effects that reduce the squared error of the refined motion to first order, and their
+    coefficients, N m."""
     x = now.found.values
     fitted = now.found.vector.fit(x)
     z = objective.units(x)

@@ -1,4 +1,4 @@
-"""Which of several changes of a model is taken, and which effects tie with it."""
+"""Selection among changes of a model, and the effects that tie with the selected one."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -7,7 +7,7 @@ from typing import NamedTuple
 from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.moves import Move
 from frictionjoint.diagnose.score import Scored
-from frictionjoint.diagnose.state import apart, needed, numbers_of
+from frictionjoint.diagnose.state import distinguishable, improves, numbers_of
 from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
@@ -23,7 +23,7 @@ class Tried(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """The change that is taken, and names of effects that explain as much."""
+    """The selected change, and names of effects that explain the logs equally well."""
 
     taken: Tried
     ties: tuple[str, ...] = ()
@@ -31,7 +31,7 @@ class Choice(NamedTuple):
 
 def chosen(now: Scored, tried: Sequence[Tried]) -> Choice | None:
     """The best justified change, and the effects it is tied with."""
-    good = [t for t in tried if needed(t.score, now, _is_certain(t.move))]
+    good = [t for t in tried if improves(t.score, now, _is_certain(t.move))]
     named = [t for t in good if not t.move.unnamed]
     singles = [t for t in named if len(t.move.added) == 1]
     best = _least(singles)
@@ -42,8 +42,8 @@ def chosen(now: Scored, tried: Sequence[Tried]) -> Choice | None:
     ):
         best = pair
     unnamed = _least([t for t in good if t.move.unnamed])
-    # a curve, which bends with the data, does not take the place of an effect that explains almost
-    # as much: it may be added to it
+    # a curve adapts to any data, so it does not replace an effect that explains almost as much; it
+    # may be added to it
     if unnamed and (not best or _much_before(unnamed, best, now)):
         return Choice(unnamed)
     if not best:
@@ -55,7 +55,7 @@ def chosen(now: Scored, tried: Sequence[Tried]) -> Choice | None:
         t
         for t in singles
         if len(t.move.terms) == len(best.move.terms)
-        and not apart(best.score, t.score)
+        and not distinguishable(best.score, t.score)
         and t.score.gain(now) >= (1.0 - TIE) * gain
     ]
     fewest = min(numbers_of(t.move.added[0].term) for t in near)
@@ -71,7 +71,7 @@ def _is_certain(move: Move) -> bool:
 
 
 def beyond_chance(move: Move) -> bool:
-    """Whether chance seldom explains as much, over the whole family of candidates.
+    """Whether a change is significant, over the whole family of candidates.
 
     Effects that are certain to exist are tested only for size.
     """
@@ -80,10 +80,9 @@ def beyond_chance(move: Move) -> bool:
 
 
 def promises(move: Move) -> bool:
-    """Whether a change may gain enough once it is refitted.
+    """Whether a change may reduce the residual enough once it is refitted.
 
-    A refit gains up to 2.7 times what the screen promises (177 refits on 15 test joints). Effects
-    that are certain to exist need not gain much.
+    A refit gains up to 2.7 times what screening predicts (177 refits on 15 test joints).
     """
     return _is_certain(move) or move.seen.gain(move) >= SMALLEST_GAIN / 3.0
 
@@ -91,9 +90,9 @@ def promises(move: Move) -> bool:
 def _much_before(unnamed: Tried, best: Tried, now: Scored) -> bool:
     """Whether an unnamed dependence explains so much that the best effect is only a part of it."""
     enough = (1.0 - TIE) * unnamed.score.gain(now)
-    # an error of the encoder is a wave, not a curve that bends with the data
+    # an error of the encoder is a wave, not a curve that adapts to any data
     wave = isinstance(unnamed.move.added[0].term, EncoderTerm)
-    clearly = unnamed.score.better if wave else partial(needed, unnamed.score)
+    clearly = unnamed.score.better if wave else partial(improves, unnamed.score)
     return clearly(best.score) and best.score.gain(now) < enough
 
 

@@ -13,8 +13,8 @@ from frictionjoint.diagnose.joint_logs import JointLogs, prepare_logs
 from frictionjoint.diagnose.resulting_model import ResultingModel, resulting_model
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.early_checks import load_shows, scale_is_determined
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.gate import load_shows, scale_is_determined
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.weights import errors_elsewhere, weighted

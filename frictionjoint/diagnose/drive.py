@@ -15,7 +15,7 @@ from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.chance import FLIPS
 from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.moves import Look, Looked
-from frictionjoint.diagnose.possible import LEAST_ACTING
+from frictionjoint.diagnose.physical_bounds import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.effects.catalogue import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect

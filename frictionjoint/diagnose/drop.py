@@ -5,7 +5,7 @@ from functools import partial
 from frictionjoint.decisions import APART
 from frictionjoint.diagnose.candidate import is_unnamed
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, is_small, needed, with_fewer
+from frictionjoint.diagnose.state import State, improves, is_small, with_fewer
 from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.terms import Term, all_but
@@ -13,15 +13,13 @@ from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side
 
 
-def drop_idle(state: State) -> None:
+def drop_redundant(state: State) -> None:
     """Remove, one after the other, effects whose removal does not worsen held-out prediction.
 
-    Curves adapt to the data and are no causes, so each effect is judged among causes alone. It is
-    judged next to the curves too, if at least half of what it removes there it removes without
-    them: a curve may stand for a larger effect, which leaves the others a small part. An eccentric
-    encoder is a cause, with no more numbers than other waves. Small losses do not accumulate: if
-    either of two effects can be removed but not both, one stays. Findings of what is no longer in
-    the model are forgotten.
+    Curves adapt to any data, so each effect is judged in a model without them; in addition next to
+    them, if it removes there at most twice as much: a curve may stand for a larger effect. An
+    eccentric encoder counts as an effect, not as a curve. If either of two effects can be removed
+    but not both, one stays.
     """
     state.forget_dropped()
     first = tuple(filter(_is_cause, state.fit.effects))
@@ -45,11 +43,11 @@ def drop_idle(state: State) -> None:
                 removed = way[bare].total - way[own].total
                 if way[rest].total - way[terms].total >= APART * removed:
                     pairs.append((way[own], way[bare]))
-            if not any(needed(*p, t.effect.first) and not is_small(t, *p) for p in pairs):
+            if not any(improves(*p, t.effect.first) and not is_small(t, *p) for p in pairs):
                 idle.append((max(way[terms].gain(way[rest]) for way in ways), t))
         if not idle:
             return
-        # of those that are idle alike the one that came last
+        # among equally redundant effects, the one that was added last
         least = best_of(idle[::-1], lambda x: max(x[0], 0.0))[1]
         state.left_out[least.name] = "the model predicts as much without it"
         rest = all_but(own, least)

@@ -16,11 +16,11 @@ from frictionjoint.diagnose.moves import ALTERNATIVES, Look, look
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     State,
-    apart,
-    as_much,
+    as_good,
     compared,
+    distinguishable,
+    improves,
     is_small,
-    needed,
     numbers_of,
     size_of,
     without,
@@ -37,8 +37,8 @@ from frictionjoint.identify.weights import reweighed
 def best_forms(state: State) -> bool:
     """Give each effect the form that predicts best, because the first screening used a biased law.
 
-    Among forms that predict equally well, the simplest is used. So it is where the logs leave a
-    position of the richer one open, which no prediction can support.
+    Among forms that predict equally well, and where the logs do not determine a position of the
+    richer form, the simplest form is used.
 
     Returns:
         whether a form changed. Then an effect that compensated for the wrong form may be redundant.
@@ -56,7 +56,7 @@ def best_forms(state: State) -> bool:
             now = scored(state.fit, blocks)
             other = scored(_in_place_of(state, blocks, i, others)[1], blocks)
             if simpler:
-                open_end = as_much(other, now) and leaves_open(state.prepared, state.fit, i)
+                open_end = as_good(other, now) and leaves_open(state.prepared, state.fit, i)
                 taken = open_end or not now.better(other)
             else:
                 taken = other.better(now)
@@ -65,42 +65,40 @@ def best_forms(state: State) -> bool:
     return state.fit is not before
 
 
-def weigh_others(state: State) -> None:
-    """Exchange each effect for the best other effect with no more numbers, next to all others.
+def try_other_effects(state: State) -> None:
+    """Try the best other effect with no more parameters in place of each effect.
 
-    A simpler effect that explains as much replaces it, unless the model would do as well without
-    it. An equally simple one is a tie, and the first in the catalogue is named, unless one of them
-    alone explains much more than the other alone: next to the other, the rest of the model
-    compensates.
+    A simpler effect that explains as much replaces it, unless the model is as good without both. An
+    equally simple one is a tie; the first in the catalogue is named, unless one of them explains
+    much more when the other effects are left out, which could compensate.
     """
-    # beside a curve, which bends with the data, an effect may seem as good as another
+    # together with a curve, which adapts to any data, an effect may seem as good as another
     if any(map(is_unnamed, state.fit.effects)):
         return
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
-        others = [c for c in _seen_with(state, own[i]) if numbers_of(c.term) <= numbers_of(own[i])]
+        most = numbers_of(own[i])
+        others = [c for c in _alternatives(state, own[i]) if numbers_of(c.term) <= most]
         if not others:
             continue
         best, other = _in_place_of(state, blocks, i, others)
         now, instead = scored(state.fit, blocks), scored(other, blocks)
-        simpler = numbers_of(best.term) < numbers_of(own[i]) and as_much(instead, now)
-        if simpler and needed(instead, scored(without(state, own[i]), blocks)):
-            _take(state, own[i], partial(_instead, term=best.term), other)
-        elif not apart(now, instead):
+        simpler = numbers_of(best.term) < most and as_good(instead, now)
+        if simpler and improves(instead, scored(without(state, own[i]), blocks)):
+            _exchange(state, own[i], partial(_instead, term=best.term), other)
+        elif not distinguishable(now, instead):
             names = [effect.name for effect in (*CATALOGUE, *DRIVE_EFFECTS)]
             first = names.index(best.term.name) < names.index(own[i].name)
             first = first and not now.better(instead)
             if first and not _clearly_better_alone(state, own[i], best.term, blocks):
-                _take(state, own[i], partial(_first_of_tie, term=best.term), other)
+                _exchange(state, own[i], partial(_first_of_tie, term=best.term), other)
             else:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
 
 
 def _clearly_better_alone(state: State, term: Term, other: Term, blocks: Blocks) -> bool:
-    """Whether one of several effects alone leaves a much smaller residual than another alone.
-
-    Known effects and effects of the controller stay in the model.
-    """
+    """Whether an effect fits clearly better than another, both next to certain effects and effects
+    of the controller only."""
     own = state.fit.effects
     known = [t for t in own if t is not term and (t.effect.first or isinstance(t, DriveTerm))]
     if len(known) + 1 == len(own):
@@ -109,23 +107,22 @@ def _clearly_better_alone(state: State, term: Term, other: Term, blocks: Blocks)
     def alone(single: Term) -> Scored:
         return scored(compared(state.prepared, (*known, single), state.fit.shape), blocks)
 
-    return apart(alone(term), alone(other))
+    return distinguishable(alone(term), alone(other))
 
 
 def settle_ties(state: State) -> None:
-    """Compare each effect with the best richer one; both are tied if they explain as much, unless
-    the richer one holds the other as a special case.
+    """Compare each effect with the best one with more parameters that does not contain it.
 
-    If they are tied and the richer one explains clearly more, it takes the place. This is done only
-    when all effects have been found. Before, the simpler effect is kept, because the rest of the
-    residual may come from another effect.
+    Both are tied if they explain as much; of a tie, one that explains clearly more is named. This
+    requires that all effects have been found: before, what the simpler effect leaves may come from
+    another effect.
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
         columns = state.fit.jacobian[:, state.fit.layout.coefficients(i)]
         richer = [
             c
-            for c in _seen_with(state, own[i])
+            for c in _alternatives(state, own[i])
             if numbers_of(c.term) > numbers_of(own[i])
             and not c.contains(Candidate(own[i], columns))
         ]
@@ -133,11 +130,11 @@ def settle_ties(state: State) -> None:
             continue
         best, other = _in_place_of(state, blocks, i, richer)
         now, instead = scored(state.fit, blocks), scored(other, blocks)
-        if as_much(now, instead):
-            if as_much(instead, now):
+        if as_good(now, instead):
+            if as_good(instead, now):
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
         elif any(best.term.name in f.ties for f in state.findings if f.term.name == own[i].name):
-            _take(state, own[i], partial(_first_of_tie, term=best.term), other)
+            _exchange(state, own[i], partial(_first_of_tie, term=best.term), other)
 
 
 def exchange_drive(state: State, rng: np.random.Generator) -> bool:
@@ -161,7 +158,7 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             simpler = size_of(other) < size_of(state.fit)
             alike = instead.name == term.name
             before = scored(other, state.blocks)
-            if apart(now, before) and not simpler:
+            if distinguishable(now, before) and not simpler:
                 continue
             if now.better(before) and not (simpler or alike):
                 _change(state, term, partial(Finding.tied_with, term=instead))
@@ -173,13 +170,13 @@ def exchange_drive(state: State, rng: np.random.Generator) -> bool:
             if alike:
                 taken = _form_preferred(instead, score, term, same)
             else:
-                enough = as_much(score, same) or is_small(term, same, score)
-                taken = enough if simpler else needed(score, same)
+                enough = as_good(score, same) or is_small(term, same, score)
+                taken = enough if simpler else improves(score, same)
             if taken:
                 _change(state, term, partial(_instead, term=instead, seen=seen))
                 state.prepared, state.fit = prepared, other
                 return True
-            if alike and not apart(same, score):
+            if alike and not distinguishable(same, score):
                 _change(state, term, partial(_with_form, other=instead))
     return False
 
@@ -194,7 +191,7 @@ def _form_preferred(one: Term, score: Scored, other: Term, its: Scored) -> bool:
     order = DRIVE_EFFECTS.index(one.effect) - DRIVE_EFFECTS.index(other.effect)
     if order == 0:
         return score.better(its)
-    return apart(score, its) if order > 0 else not apart(its, score)
+    return distinguishable(score, its) if order > 0 else not distinguishable(its, score)
 
 
 def _other_drives(state: State, i: int) -> list[tuple[Fit, Look]]:
@@ -227,19 +224,19 @@ def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> N
     state.findings = with_changed(state.findings, term, change)
 
 
-def _take(state: State, term: Term, change: Callable[[Finding], Finding], other: Fit) -> None:
-    """Use a model with another effect in place of one, and replace its finding."""
+def _exchange(state: State, term: Term, change: Callable[[Finding], Finding], other: Fit) -> None:
+    """Use the model `other`, and `change` the finding of the effect that it replaces."""
     _change(state, term, change)
     state.prepared, state.fit = reweighed(state.prepared, other)
 
 
 def _first_of_tie(finding: Finding, term: Term) -> Finding:
-    """The finding of an effect, restated for an effect that it is tied with."""
+    """A finding of an effect, rewritten for an effect that it is tied with."""
     return _instead(finding, term).tied_with(finding.term)
 
 
 def _with_form(finding: Finding, other: Term) -> Finding:
-    """A finding of an effect of the drive, restated for another form that explains as much."""
+    """A finding of an effect of the drive, with another form that explains the logs as well."""
     assert isinstance(finding.term, DriveTerm)
     assert isinstance(other, DriveTerm)
     if other.effect in (finding.term.effect, *finding.forms):
@@ -276,7 +273,7 @@ def most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) ->
     return [others[k] for k in in_order(range(len(others)), lambda k: left[k])]
 
 
-def _seen_with(state: State, term: Term) -> list[Candidate]:
+def _alternatives(state: State, term: Term) -> list[Candidate]:
     """Named candidates from the step of the search that added an effect of the model."""
     looks = [f.look for f in state.findings if f.term.name == term.name]
     named = [c for c in state.candidates if not c.unnamed]

@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
+from frictionjoint.diagnose.detection_limit import DetectionLimit
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.other_laws import Comparison
-from frictionjoint.diagnose.sight import Sight
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, without_scale
 from frictionjoint.identify.instruments import NotGiven, as_given
@@ -96,7 +96,7 @@ class Trace:
         hints: possible causes of these, one sentence each. causes: those with a cause, by name.
         last_look: candidates against the final residual.
         other_laws: the final effects with each other law.
-        sight: the smallest detectable effect.
+        detection_limit: the smallest effect that the logs would have shown.
         not_given: measured torque that did not act.
     """
 
@@ -108,7 +108,7 @@ class Trace:
     hints: tuple[str, ...]
     last_look: Look
     other_laws: Comparison
-    sight: Sight
+    detection_limit: DetectionLimit
     not_given: tuple[NotGiven, ...] = ()
     causes: Mapping[str, str] = field(default_factory=dict)
 
@@ -126,5 +126,5 @@ class Trace:
             findings=tuple(replace(f, fit=without_scale(f.fit)) for f in self.findings),
             final=without_scale(self.final),
             other_laws=self.other_laws.over(self.final.gain),
-            sight=self.sight.over(self.final.gain),
+            detection_limit=self.detection_limit.over(self.final.gain),
         )

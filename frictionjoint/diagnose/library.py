@@ -17,8 +17,8 @@ from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import TEMP, parts_of_load
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
+from frictionjoint.identify.early_checks import scale_is_determined
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.gate import scale_is_determined
 from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm, MissingTerm
 from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.search import HEARD

@@ -10,7 +10,7 @@ from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.signals import TIME, Q
 from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
 from frictionjoint.identify.constraint_shape import ConstraintShape
-from frictionjoint.identify.gate import SURE
+from frictionjoint.identify.early_checks import SURE
 from frictionjoint.identify.notes import assumed_note, inertia_note
 from frictionjoint.identify.result import scale_note, term_estimates, units_of
 
@@ -23,8 +23,7 @@ DIVERGES = (
     "travel, so no position error is stated. Check masses, gravity and signs of the MJCF, and the "
     "units of the logs."
 )
-# s, of the window in which an event is looked for
-EVENT_S = 0.5
+EVENT_S = 0.5  # window in which an event is looked for
 NO_LOAD = (
     "The drive does not grow with the load of the MJCF. Check signs and zeros of this joint and of "
     "the joints after it, unless the load is too small to measure."
@@ -204,10 +203,10 @@ def _held_note(found: Trace, rest: NDArray[np.bool_], error: float) -> tuple[str
 
 def _duration_note(found: Trace) -> tuple[str, ...]:
     """Note that the logs are too short to show an effect."""
-    sight, unit = found.sight, units_of(found.final, found.prepared.slide)[0]
-    if not sight.too_short or found.findings or found.unexplained:
+    limit, unit = found.detection_limit, units_of(found.final, found.prepared.slide)[0]
+    if not limit.too_short or found.findings or found.unexplained:
         return ()
     return (
-        f"These {sight.duration:.3g} s are too short to show an effect below {sight.torque:.2g} "
-        f"{unit} rms. About {sight.needed:.2g} s of such motion are needed.",
+        f"These {limit.duration:.3g} s are too short to show an effect below {limit.torque:.2g} "
+        f"{unit} rms. About {limit.needed:.2g} s of such motion are needed.",
     )

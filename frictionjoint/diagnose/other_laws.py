@@ -69,14 +69,14 @@ class OtherLaws:
         self._fits: list[Fit] = []
         self._followed: Fit | None = None
         self._progress = progress
-        self.ripen(prepared, base.effects)
+        self.fit_from_all_starts(prepared, base.effects)
         self._alone = dict(self.shapes)
 
     def _is_rival(self, forms: Sequence[Shape], own: tuple[str, ...]) -> bool:
         names = forms[0].variables
         return names != own and (forms is not INTEGRATED or names in self._own)
 
-    def ripen(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
+    def fit_from_all_starts(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
         """Fit the other laws together with some effects, from all starts."""
         self._progress("fit: other laws")
         self._followed = None
@@ -145,11 +145,11 @@ class OtherLaws:
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 
-    def do_without(self, prepared: Prepared, before: Fit, after: Fit) -> bool:
-        """Whether another law fits better than the model before a change, and does not need it.
+    def suffice(self, prepared: Prepared, before: Fit, after: Fit) -> bool:
+        """Whether a change only compensates for an error of the law: another law fits better.
 
-        A change that leaves less than half of what every law leaves without it is needed. One that
-        leaves less than they do is refused only if it takes hardly anything from the other law.
+        False if the change leaves less than half of what every law leaves without it, or if it
+        clearly improves the other law too.
 
         Args:
             prepared: logs with the weights of the model before, which favour neither.

@@ -5,15 +5,15 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.candidate import named_of
-from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.exchange import best_forms, settle_ties, weigh_others
+from frictionjoint.diagnose.detection_limit import detection_limit
+from frictionjoint.diagnose.drop import drop_redundant
+from frictionjoint.diagnose.exchange import best_forms, settle_ties, try_other_effects
+from frictionjoint.diagnose.final_evidence import final_evidence
 from frictionjoint.diagnose.finding import Finding, Trace
+from frictionjoint.diagnose.motion_check import Replayed, moving_nearest, nearer
 from frictionjoint.diagnose.moves import look
-from frictionjoint.diagnose.nearest import Replayed, moving_nearest, nearer
 from frictionjoint.diagnose.other_laws import forms_like
-from frictionjoint.diagnose.restated import restated
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.sight import sight
 from frictionjoint.diagnose.state import State, without
 from frictionjoint.diagnose.unnamed import quantities_alike
 from frictionjoint.effects.catalogue import title
@@ -72,7 +72,7 @@ def finish_search(
         unit, _ = units_of(state.fit, state.prepared.slide)
         causes |= {term.name: term.says(np.array([x]), unit) for term, x in not_given}
         hints += [causes[term.name] for term, _ in not_given]
-        drop_idle(state)
+        drop_redundant(state)
     findings: tuple[Finding, ...] = ()
     # a model without effects is the law alone
     if state.fit.effects or not_given:
@@ -99,7 +99,9 @@ def finish_search(
         not_given=not_given,
         last_look=state.look,
         other_laws=state.laws.compared(state.prepared, state.fit),
-        sight=sight(state.prepared, state.fit, state.look.chance, state.blocks, state.candidates),
+        detection_limit=detection_limit(
+            state.prepared, state.fit, state.look.chance, state.blocks, state.candidates
+        ),
     )
 
 
@@ -115,15 +117,15 @@ def _settled(
     prepared, found = with_last_freedoms(state.prepared, state.fit)
     if found is not state.fit:
         state.prepared, state.fit = prepared, found
-        drop_idle(state)
+        drop_redundant(state)
     if by_motion and moving_nearest(state, replayed):
-        drop_idle(state)
+        drop_redundant(state)
     # with another law, or fewer effects, other forms and effects may explain as much now
     if best_forms(state):
-        drop_idle(state)
-    weigh_others(state)
+        drop_redundant(state)
+    try_other_effects(state)
     settle_ties(state)
-    return restated(state, rng)
+    return final_evidence(state, rng)
 
 
 def _says_left_out(name: str, why: str) -> str:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.joint_logs import JointLogs
+from frictionjoint.identify.early_checks import check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.fit import Fit, with_gain
-from frictionjoint.identify.gate import check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.refine.refine import Refined, refine
 from frictionjoint.refine.refined_model import RefinedModel

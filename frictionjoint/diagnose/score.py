@@ -6,7 +6,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.gram import screen
-from frictionjoint.diagnose.possible import impossible
+from frictionjoint.diagnose.physical_bounds import impossible
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit, unreached
 from frictionjoint.identify.rounding import EQUAL

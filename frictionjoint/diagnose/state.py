@@ -152,17 +152,17 @@ def with_fewer(state: State, terms: tuple[Term, ...]) -> Fit:
     return compared(state.prepared, terms, nearer(state.prepared, terms, laws))
 
 
-def apart(one: Scored, other: Scored) -> bool:
+def distinguishable(one: Scored, other: Scored) -> bool:
     """Whether the logs distinguish a model from one with a larger residual."""
     return one.better(other) and one.gain(other) >= APART
 
 
-def as_much(one: Scored, other: Scored) -> bool:
-    """Whether a model explains almost as much as another with a smaller residual."""
+def as_good(one: Scored, other: Scored) -> bool:
+    """Whether a model is almost as good as another with a smaller residual."""
     return not other.better(one) or other.gain(one) < TIE
 
 
-def needed(now: Scored, other: Scored, first: bool = False) -> bool:
+def improves(now: Scored, other: Scored, first: bool = False) -> bool:
     """Whether a model predicts better than another, by more than the law's own error.
 
     The residual measures that error: a law with a tiny residual is more exact than laws usually

@@ -18,12 +18,12 @@ from frictionjoint.decisions import APART, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, promises, rivals_of
 from frictionjoint.diagnose.drive import look_at_drive, part_left
-from frictionjoint.diagnose.drop import drop_idle
-from frictionjoint.diagnose.exchange import best_forms, exchange_drive, weigh_others
+from frictionjoint.diagnose.drop import drop_redundant
+from frictionjoint.diagnose.exchange import best_forms, exchange_drive, try_other_effects
 from frictionjoint.diagnose.finding import Finding, Trace
+from frictionjoint.diagnose.motion_check import Replayed
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
 from frictionjoint.diagnose.named_instead import named_instead, unlike_a_curve
-from frictionjoint.diagnose.nearest import Replayed
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.outcome import finish_search
 from frictionjoint.diagnose.score import Scored, scored
@@ -106,7 +106,7 @@ def _search(state: State, rng: np.random.Generator, progress: Callable[[str], No
         # what is named now may have bent the laws, and as long as a drive is off they are bent
         bent = bent or state.fit.drive_rms**2 < (1.0 - APART) * left**2
         if bent and not (taken and _early(state)):
-            laws.ripen(state.prepared, state.fit.effects)
+            laws.fit_from_all_starts(state.prepared, state.fit.effects)
             bent = False
         changed = _follow(state) or taken or _exchanged(state, rng)
         if not changed:
@@ -124,9 +124,9 @@ def _names(state: State) -> tuple[str, ...]:
 
 
 def _exchanged(state: State, rng: np.random.Generator) -> bool:
-    """Whether an effect took another one's place; effects that it makes redundant are dropped."""
+    """Exchange effects of the drive, and drop redundant ones; return whether any was exchanged."""
     if exchange_drive(state, rng):
-        drop_idle(state)
+        drop_redundant(state)
         return True
     return False
 
@@ -140,14 +140,14 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
     if not state.fit.effects:
         return (
             _taken(state, _first(state), rng)
-            or _beside_first(state, _first(state), rng)
+            or _drive_with_certain_effect(state, _first(state), rng)
             or _taken(state, state.candidates, rng)
         )
     return _of_drive(state, rng) or _taken(state, state.candidates, rng)
 
 
 def _early(state: State) -> bool:
-    """Whether all findings so far are certain effects or effects of the drive, which come first."""
+    """Whether the model contains only certain effects and effects of the drive so far."""
     effects = state.fit.effects
     return all(t.effect.first or t.effect.drive for t in effects)
 
@@ -156,11 +156,13 @@ def _first(state: State) -> list[Candidate]:
     return [c for c in state.candidates if c.term.effect.first]
 
 
-def _beside_first(state: State, first: Sequence[Candidate], rng: np.random.Generator) -> list[str]:
-    """The best effect of the drive together with a certain effect, if one is justified.
+def _drive_with_certain_effect(
+    state: State, first: Sequence[Candidate], rng: np.random.Generator
+) -> list[str]:
+    """Add the best effect of the drive together with a certain effect, if that is justified.
 
-    A grossly wrong drive model masks effects that are certainly present, and without them the drive
-    is mistaken too: overload protection without the motor's back-EMF looks like a limit.
+    A grossly wrong drive model masks certain effects, and without them the effect of the drive is
+    misidentified: overload protection without the motor's back-EMF looks like a limit.
     """
     if not first:
         return _of_drive(state, rng)
@@ -197,7 +199,7 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     after = state.blocks_of(prepared, driven)
     if is_small(term, scored(driven, after), scored(state.under(prepared), after)):
         return []
-    if state.laws.do_without(state.prepared, state.fit, driven):
+    if state.laws.suffice(state.prepared, state.fit, driven):
         return []
     near = [
         other.name
@@ -207,7 +209,7 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     state.look = found.look
     state.prepared, state.fit = prepared, driven
     state.findings.append(Finding(term, found.look, row, gain, tuple(near), (), state.fit))
-    drop_idle(state)
+    drop_redundant(state)
     return [f.term.name for f in state.findings if f.term is term]
 
 
@@ -234,19 +236,19 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     tried = [t for t in tried if not any(is_small(c.term, t.score, now) for c in t.move.added)]
     choice = chosen(now, tried)
     if choice:
-        now, tried = _looked_at_again(state, now, tried, choice.taken, rng)
+        now, tried = _rescreened(state, now, tried, choice.taken, rng)
         choice = chosen(now, tried)
     while choice:
         changed = _changed(state, choice, tried, now)
         names = _more(changed.fit, state.fit, choice.taken.move)
         # what replaces an effect need not explain more than that one
         grown = _size(changed.fit) > _size(state.fit)
-        if names and not (grown and state.laws.do_without(state.prepared, state.fit, changed.fit)):
+        if names and not (grown and state.laws.suffice(state.prepared, state.fit, changed.fit)):
             state.prepared, state.fit = changed.prepared, changed.fit
             state.findings = changed.findings
             if best_forms(state):
-                drop_idle(state)
-            weigh_others(state)
+                drop_redundant(state)
+            try_other_effects(state)
             return names
         # nothing of it was needed once it was in, or with another law: the next best
         state.refuse(choice.taken.move)
@@ -292,24 +294,23 @@ def _changed(state: State, choice: Choice, tried: Sequence[Tried], now: Scored) 
             )
         )
     changed = replace(state, prepared=prepared, fit=fitted, findings=[*state.findings, *found])
-    drop_idle(changed)
+    drop_redundant(changed)
     return changed
 
 
 def _more(after: Fit, before: Fit, move: Move) -> list[str]:
-    """Names of effects that a change added and that were not dropped again."""
+    """Names of the effects that a change added to the model and that are still in it."""
     names, had = ([t.name for t in f.effects] for f in (after, before))
     return [c.term.name for c in move.added if names.count(c.term.name) > had.count(c.term.name)]
 
 
-def _looked_at_again(
+def _rescreened(
     state: State, now: Scored, tried: Sequence[Tried], best: Tried, rng: np.random.Generator
 ) -> tuple[Scored, list[Tried]]:
-    """The leading changes, screened again with the weights and the law of the best one.
+    """The leading changes, screened again with the weights and the law of the best change.
 
-    The missing effect may have biased the law, and with it the weights and the initial friction
-    states. Then the residual depends on which change was tried first. An unnamed dependence that
-    the best one contains may be an effect that only an unbiased law shows.
+    The missing effect may have biased the law, the weights and the initial friction states. With an
+    unbiased law, a named effect may explain what the best change leaves to an unnamed dependence.
     """
     least = (1.0 - SMALLEST_GAIN) * best.score.gain(now)
     leaders = [best, *(t for t in tried if t is not best and t.score.gain(now) >= least)]
@@ -355,5 +356,5 @@ def _follow(state: State) -> bool:
     if found is state.fit:
         return False
     state.prepared, state.fit = prepared, found
-    drop_idle(state)
+    drop_redundant(state)
     return True

@@ -1,4 +1,4 @@
-"""Quantities on which the residual may depend; those that the logs do not set apart are a tie.
+"""Quantities on which the residual may depend equally well, because the logs couple them.
 
 In an arm that moves alone the load is a function of position, and no log distinguishes them.
 """
@@ -7,7 +7,7 @@ from frictionjoint.decisions import TIE
 from frictionjoint.diagnose.exchange import most_first
 from frictionjoint.diagnose.moves import ALTERNATIVES
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, apart, compared
+from frictionjoint.diagnose.state import State, compared, distinguishable
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.terms import Term, in_place
@@ -41,6 +41,6 @@ def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
         other = scored(compared(state.prepared, terms, state.fit.shape), blocks)
         # a difference that a few blocks carry is not significant, however large
         alike = other.gain(bare) >= (1.0 - TIE) * now.gain(bare)
-        if alike and not apart(now, other):
+        if alike and not distinguishable(now, other):
             found[instead.name] = other.gain(bare)
     return found

@@ -10,17 +10,16 @@ from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.report.joint_report import Verdict
 
-# of two logs with the same instruments, the noise of one over that of the other beyond which its
-# motion has torque above its band: one short log is read to 10%
+# ratio of the noise of two logs beyond which one contains torque above its band; the noise of a
+# short log is known to 10%
 _SAME_NOISE = 1.5
 
 
 def noise_floor(prepared: Prepared, gain: float) -> float:
     """Residual of a perfect model due to instrument noise in the torque band, N m.
 
-    The torque's noise is read above the motion's band, where jerks and the chatter of a stiff
-    controller are torque too. They only add to it, and the logs share their instruments, so of logs
-    that differ the quietest one tells it.
+    The torque's noise is estimated above the motion's band, where jerks and chatter of a stiff
+    controller add to it. Logs share their instruments, so the quietest log determines the noise.
     """
     least = min((x for s in prepared.segments if (x := s.noise.torque) > 0.0), default=0.0)
     powers = []
@@ -46,7 +45,7 @@ def verdict(
         diverges: whether a replay of the final model leaves the measured motion altogether.
     """
     if not found.findings and not found.unexplained:
-        return "too-short-to-tell" if found.sight.too_short else "no-effect-found"
+        return "too-short-to-tell" if found.detection_limit.too_short else "no-effect-found"
     worse = diverges or any(a.worse_than(b) for b, a in zip(before, after, strict=True))
     contradicted = worse or after[0].only_fitted
     if not found.findings or found.unexplained or contradicted or _at_a_bound(found.final):

@@ -112,7 +112,6 @@ def _gaps(signals: Array) -> list[Shape]:
 
 EFFECT = Effect(
     name="backlash",
-    title="play between gear teeth",
     effect_id=19,
     kernel=torque,
     coefficients=("share",),

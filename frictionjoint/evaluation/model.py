@@ -15,8 +15,8 @@ import numpy as np
 from frictionjoint.effects.catalogue import title
 from frictionjoint.errors import ModelError, few
 from frictionjoint.evaluation.recording import Recording
-from frictionjoint.identify.held import Pose, joint_label, lock, take_pose
-from frictionjoint.identify.held import resolve as resolve_poses
+from frictionjoint.identify.fixed_joints import Pose, joint_label, lock, take_pose
+from frictionjoint.identify.fixed_joints import resolve as resolve_poses
 from frictionjoint.model_files import ONE_DOF, compile_model
 from frictionjoint.model_joints import actuators_of, count_of_actuators
 from frictionjoint.simulate.attach import attach

@@ -18,7 +18,7 @@ from frictionjoint.evaluation.model import EvaluatedModel, friction_words, requi
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.simulated import closed_loop, replay
 from frictionjoint.evaluation.torque import torque_along
-from frictionjoint.identify.held import Pose
+from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.measured.log import JointLog, split_at_gaps
 from frictionjoint.measured.readers import log_files, read_log, require_logs
 from frictionjoint.measured.validate import require_motion

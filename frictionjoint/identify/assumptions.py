@@ -1,4 +1,4 @@
-"""What the logs do not determine of a friction law, assumed so that the model is right at rest."""
+"""Assumed values of parameters that the logs do not determine, so that the model rests."""
 
 import math
 from dataclasses import replace
@@ -38,9 +38,8 @@ def with_assumptions(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
 def with_assumed_level(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
     """The same fit with an assumed Coulomb level, if friction would vanish with the load.
 
-    Seals and preload make friction in every unloaded joint, but a joint that is always loaded does
-    not show it. The assumed level is half of the friction by load, or half as much and so on, until
-    the logs allow it.
+    A joint that is always loaded does not show the friction of its seals and preload. The assumed
+    level is half of the friction by load, or half as much and so on, until the logs allow it.
     """
     loads = [i for i, t in enumerate(fitted.terms) if t.follows_law and GEAR in t.effect.needs]
     if fitted.has_level or not loads:
@@ -85,11 +84,11 @@ def with_steep_start(prepared: Prepared, fitted: Fit) -> Fit:
     """The same fit with an assumed steep beginning of the transition curve, if a stuck joint would
     ring.
 
-    The first segment of a transition curve is elastic, so that smaller oscillations are damped by
-    sigma1 and viscous friction alone. In real contacts every displacement dissipates (Al-Bender,
-    Lampaert and Swevers 2005). The steep part, half a percent of breakaway friction, makes
-    displacements beyond its end dissipate; within it, MuJoCo's time step damps the joint. So it
-    does within a curve of a high assumed stiffness, which needs no steeper beginning.
+    Within the first, elastic segment of a transition curve only sigma1 and viscous friction damp
+    oscillations, while in real contacts every displacement dissipates (Al-Bender, Lampaert and
+    Swevers 2005). With a steep part of half a percent of breakaway friction, displacements beyond
+    its end dissipate, and smaller ones are damped by MuJoCo's time step, as is a curve of a high
+    assumed stiffness, which needs no steeper beginning.
     """
     shape = fitted.shape
     if not isinstance(shape, IntegratedShape) or not fitted.has_level:
@@ -140,11 +139,10 @@ def _allowed(found: Fit, fitted: Fit) -> bool:
 
 
 def _by_chance(prepared: Prepared, found: Fit, fitted: Fit) -> bool:
-    """Whether the residual with an assumption is larger than without by no more than by chance.
+    """Whether chance explains that the residual with an assumption is larger than without.
 
-    A log shows the friction where motion begins or reverses once per stroke, so that in a short log
-    a few samples decide: the squares must grow by two standard errors over the strokes, or by as
-    much as an effect must remove.
+    Motion begins once per stroke, so in a short log a few samples decide: the sum of squares must
+    grow by two standard errors over the strokes, or by as much as an effect must remove.
     """
     first, last = ((x.residual * x.weight / x.error_unit) ** 2 for x in (fitted, found))
     reverses = np.diff(np.signbit(prepared.at_kept(V))) | (np.diff(fitted.log_index) > 0)

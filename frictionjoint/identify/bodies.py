@@ -8,7 +8,7 @@ import mujoco
 
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.earlier_friction import said_of
-from frictionjoint.identify.held import Pose
+from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog

@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.errors import NO_JOINT, LogError, ModelError, few
-from frictionjoint.identify.held import BALL, FREE, SLIDE, joint_label
+from frictionjoint.identify.fixed_joints import BALL, FREE, SLIDE, joint_label
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.derivatives import differentiate, speed_note
 from frictionjoint.measured.log import JointLog

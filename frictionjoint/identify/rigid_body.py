@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.earlier_friction import before_friction
-from frictionjoint.identify.held import Pose, joint_label, resolve, take_pose
+from frictionjoint.identify.fixed_joints import Pose, joint_label, resolve, take_pose
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
 from frictionjoint.simulate.block import blocks
@@ -61,8 +61,8 @@ class RigidBody:
     Args:
         mjcf: path of the MJCF, or its text.
         joint: name of the examined joint.
-        fixed: positions of other joints by name, see `held.Pose`; a joint in neither a log nor this
-            stays at its initial position, qpos0.
+        fixed: positions of other joints by name, see `fixed_joints.Pose`; others without a log
+            stay at its initial position, qpos0.
     Attributes:
         mjcf: without friction of an earlier run at the joint. carried: whether it had some.
         native: friction of the joint in the MJCF, in words; empty for none.

@@ -195,7 +195,7 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
 def _fix(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
     """The command options that would name all missing columns, with likely columns filled in."""
     names, parts = list(table), []
-    unknown = "NUMBER" if _are_numbers(names) else "NAME"
+    unknown = "NUMBER" if names[:1] == ["1"] else "NAME"
     ours = {x.removeprefix(prefix) for x in names}
     position = () if ours & {"position_rad", "position_m"} else ("position_rad",)
     for wanted in ("time_s", *position, *(() if ours & {*_DRIVES} else (drive,))):
@@ -215,14 +215,9 @@ def _fix(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
 def _has(names: Iterable[str]) -> str:
     """The columns of a file, for a message."""
     listed = list(names)
-    if _are_numbers(listed):
+    if listed == [str(i) for i in range(1, len(listed) + 1)]:
         return f"it has no header: its columns are numbered, 1 to {len(listed)}"
     return f"it has {_list(listed)}"
-
-
-def _are_numbers(names: Sequence[str]) -> bool:
-    """Whether the columns of a file without a header are numbered."""
-    return list(names) == [str(i) for i in range(1, len(names) + 1)]
 
 
 def _list(names: Iterable[object]) -> str:

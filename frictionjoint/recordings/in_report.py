@@ -10,7 +10,7 @@ from frictionjoint.control.reconstruct import with_known_drive
 from frictionjoint.decisions import SIGNIFICANCE, TIE
 from frictionjoint.effects.catalogue import CATALOGUE, title
 from frictionjoint.errors import FrictionJointError, ParameterError
-from frictionjoint.identify.held import Pose
+from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.result import LOOSE
 from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.measured.log import JointLog

@@ -20,8 +20,8 @@ from scipy.special import ndtr, ndtri, stdtrit
 from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
 from frictionjoint.effects.signals import TIME
+from frictionjoint.identify.early_checks import load_shows
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.gate import load_shows
 from frictionjoint.identify.rounding import EQUAL
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared

@@ -11,7 +11,7 @@ from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
 from frictionjoint.effects.signals import TEMP, Q
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.held import lock, take_pose
+from frictionjoint.identify.fixed_joints import lock, take_pose
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rms import Rms

@@ -55,7 +55,7 @@ class Report:
     model.xml; None if it contains none. `positions` are the simulated positions of the logs; empty
     if nothing was simulated.
     `recordings` states how each number varies between recordings, if there are three or more.
-    `smallest`: the smallest further effects that the logs would have shown, see `sight.Smallest`.
+    `smallest`: the smallest further effects that the logs would show, see `detection_limit`.
     `law_errors`: rms in motion on fitted logs of each law with the same effects.
     `unexplained_causes`: of some unexplained dependences the likely cause, in a sentence.
 

@@ -22,14 +22,14 @@ from frictionjoint.report.entries import Evidence
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.compare import (
-    as_much,
+    as_good,
     better,
     gain_of,
     harms,
+    improves,
     joint_gain,
     left_of,
     nearer,
-    needed,
 )
 from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
@@ -55,7 +55,7 @@ class Choice:
     numbers: Array = field(default_factory=lambda: np.zeros(0), repr=False)
 
     @property
-    def bends(self) -> bool:
+    def may_bias_laws(self) -> bool:
         """Whether its absence may bias the laws."""
         return self.evidence.held_out_gain > _BENT
 
@@ -106,7 +106,7 @@ def choose(
         if choice is None:
             break
         choices.append(choice)
-        if choice.candidate.shared and choice.bends:
+        if choice.candidate.shared and choice.may_bias_laws:
             break
     return _together(screened, choices)
 
@@ -127,7 +127,7 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
         for i, choice in enumerate(kept):
             if not choice.candidate.shared:
                 without = left(kept[:i] + kept[i + 1 :])
-                if not needed(screened.stack, without, now):
+                if not improves(screened.stack, without, now):
                     idle_ones.append((joint_gain(without, now), i))
         if not idle_ones:
             break
@@ -136,8 +136,8 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
     return [replace(c, numbers=x) for c, x in zip(kept, numbers, strict=True)]
 
 
-def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Array]]:
-    """Redundant causes in the model, the least needed first.
+def redundant(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Array]]:
+    """Causes whose removal does not worsen the prediction, the least useful first.
 
     Args:
         screened: model; its effects common to all joints are kept together with the causes. Effects
@@ -149,7 +149,7 @@ def idle(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Arr
     now, found = _left_by_robot(screened), []
     for i, rest in enumerate(without):
         left = _left_by_robot(rest)
-        if not needed(screened.stack, left, now):
+        if not improves(screened.stack, left, now):
             found.append((joint_gain(left, now), i, left_of(now, left)))
     found.sort(key=lambda one: one[:2])
     return [(i, ratios) for _, i, ratios in found]
@@ -251,13 +251,14 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:
-    return row.p_value <= SIGNIFICANCE and needed(stack, now, row.left) and not harms(row.left, now)
+    better = improves(stack, now, row.left) and not harms(row.left, now)
+    return better and row.p_value <= SIGNIFICANCE
 
 
 def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, deviation: float) -> bool:
     """Whether a candidate explains as much and returns compensating bodies, with their `deviation`
     from the model's values without it, to their nominal values."""
-    if not nearer(0.0, deviation) or not as_much(stack, row.left, now):
+    if not nearer(0.0, deviation) or not as_good(stack, row.left, now):
         return False
     return nearer(stack.deviation(np.concatenate([known, row.candidate.at])), deviation)
 

@@ -14,7 +14,7 @@ from frictionjoint.diagnose.trace import INTEGRATED_LAW
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.earlier_friction import before_friction, said_of
-from frictionjoint.identify.held import Pose
+from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.rms import Rms
@@ -34,7 +34,7 @@ from frictionjoint.report.robot_report import (
 from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.corrections import write_corrections
-from frictionjoint.robot.exchanged import require_own_columns
+from frictionjoint.robot.exchanged_joints import require_own_columns
 from frictionjoint.robot.excitation import next_trajectory
 from frictionjoint.robot.explain import Corrected, Explained, Fitted, Model, Task, explain_joint
 from frictionjoint.robot.information import information, undetermined

@@ -10,7 +10,7 @@ from frictionjoint.decisions import CLEARLY, LEAST_MOVED, SIGNIFICANCE, SMALLEST
 from frictionjoint.robot.stack import Stack
 
 
-def needed(stack: Stack, before: Array, after: Array) -> bool:
+def improves(stack: Stack, before: Array, after: Array) -> bool:
     """Whether the reduction is larger than chance and the laws' own errors could produce."""
     large = joint_gain(before, after) >= SMALLEST_GAIN
     return large and _moved(stack, before, after) >= LEAST_MOVED and better(after, before)
@@ -43,7 +43,7 @@ def left_of(before: Array, after: Array) -> Array:
     return np.asarray(after.sum(axis=1) / np.maximum(before.sum(axis=1), 1e-300))
 
 
-def as_much(stack: Stack, after: Array, before: Array) -> bool:
+def as_good(stack: Stack, after: Array, before: Array) -> bool:
     """Whether a model is not clearly worse than another: for no joint by a noticeable part.
 
     Below the laws' own errors, one explanation is no better than another.

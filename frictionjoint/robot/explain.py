@@ -14,7 +14,7 @@ from frictionjoint.diagnose.report_parts import torque_rms
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.held import Pose
+from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -28,10 +28,10 @@ from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import replay, replay_rms
 from frictionjoint.replay.loops import LoopErrors, Loops
 from frictionjoint.report.entries import Interval
-from frictionjoint.robot.along import Along
+from frictionjoint.robot.corrected_torque import Along
 from frictionjoint.robot.corrections import Corrections
+from frictionjoint.robot.error_increase import error_increase, replay_increase
 from frictionjoint.robot.joint import FittedJoint
-from frictionjoint.robot.paired import error_increase, replay_increase
 from frictionjoint.robot.settle import Settled
 from frictionjoint.robot.torsion import torsion
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
+from frictionjoint.identify.early_checks import check_signs
 from frictionjoint.identify.fit import Fit, unreached
-from frictionjoint.identify.gate import check_signs
-from frictionjoint.identify.held import Pose
+from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit
@@ -22,7 +22,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
-from frictionjoint.robot.along import Along
+from frictionjoint.robot.corrected_torque import Along
 from frictionjoint.robot.corrections import Corrections
 
 # as free as the law may be: what any part of it explains speaks for no cause
@@ -121,7 +121,7 @@ def first_fit(
     controller: Controller | None = None,
 ) -> FittedJoint:
     """The law fitted to a joint's logs with the user's model; LogError: see `prepare` and
-    `gate.check_signs`, for no cause of the robot produces a wrong sign."""
+    `early_checks.check_signs`, for no cause of the robot produces a wrong sign."""
     body = RigidBody(model, joint, fixed)
     prepared = prepare(list(logs), body, controller=controller)
     check_signs(prepared)

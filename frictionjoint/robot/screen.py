@@ -14,7 +14,7 @@ from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.columns import common_columns, gram_of, own_effects
-from frictionjoint.robot.descend import descended
+from frictionjoint.robot.fit_causes import fitted_causes
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, Stack
 
@@ -121,4 +121,4 @@ def _start(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cau
     if not cause.homogeneous:
         return cause.start
     start = found.with_cause(cause, cause.start)
-    return descended(joints, clock, start, lambda label: False).numbers[-1]
+    return fitted_causes(joints, clock, start, lambda label: False).numbers[-1]

@@ -16,7 +16,7 @@ from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.choose import Choice
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.columns import Common
-from frictionjoint.robot.descend import descended
+from frictionjoint.robot.fit_causes import fitted_causes
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.workers import Each
@@ -67,7 +67,7 @@ class Settled:
         for cause in causes:
             start = start.with_cause(cause, cause.start)
         own = self.single_effects.__contains__
-        return self.corrected(descended(self.joints, self.clock, start, own))
+        return self.corrected(fitted_causes(self.joints, self.clock, start, own))
 
     def screened(self) -> Screened:
         """Columns of the causes, of the effects of single joints, and of the common effects that
@@ -103,7 +103,7 @@ class Settled:
             now = self._fitted_again(now, _followed)
             return replace(self, joints=now, clock=Clock(now))
         for turn in range(4):
-            stepped = descended(now, Clock(now), found, own)
+            stepped = fitted_causes(now, Clock(now), found, own)
             trial = self._fitted_again([j.corrected(stepped.state) for j in now], _followed)
             # a gain below 0.1% ends the iteration
             ratios = [(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)]

@@ -11,12 +11,13 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import CLEARLY
-from frictionjoint.identify.gate import scale_is_determined
+from frictionjoint.identify.early_checks import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
+from frictionjoint.robot.alternatives import with_alternatives
 from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause, Found
-from frictionjoint.robot.choose import Choice, choose, idle
+from frictionjoint.robot.choose import Choice, choose, redundant
 from frictionjoint.robot.columns import Common, common_terms
 from frictionjoint.robot.compare import nearer
 from frictionjoint.robot.corrections import Corrections
@@ -25,7 +26,6 @@ from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import Settled, settle
 from frictionjoint.robot.shaft_waves import with_waves
 from frictionjoint.robot.simpler import simpler
-from frictionjoint.robot.ties import restated
 from frictionjoint.robot.workers import Each
 
 
@@ -97,7 +97,7 @@ def shared_causes(
         terms = tuple(one.term for one, _ in common)
         if terms != now.joints[0].common_effects:
             # what all joints have alike has bent their laws
-            now = _without_idle(with_these.with_common(terms).refitted())
+            now = _without_redundant(with_these.with_common(terms).refitted())
             continue
         if whole and not common:
             # no single link is wrong by so much; perhaps each is by a little
@@ -109,7 +109,7 @@ def shared_causes(
         # numbers that were fitted before effects of single joints were seen hold a part of them
         now = with_these.refitted()
     now = replace(now, single_effects=labels)
-    choices = restated(now, open_ones)
+    choices = with_alternatives(now, open_ones)
     return replace(now.with_covariance(), choices=choices, common=common)
 
 
@@ -131,11 +131,10 @@ def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Cho
 def _grown(now: Settled, new: Sequence[Choice]) -> Settled | None:
     """The state with all accepted causes, or only the first; None if neither improves the fit.
 
-    A cause must also be needed after the fit. The causes were accepted to first order; with
-    refitted laws they may not improve the fit.
+    The causes were accepted to first order; with refitted laws they may not improve the fit.
     """
     for several in [new, new[:1]][: len(new)]:
-        trial = _without_idle(_with(now, several))
+        trial = _without_redundant(_with(now, several))
         parts = {part for choice in several for part, _ in choice.parts}
         if parts.intersection(trial.found.causes):
             ratios = _left(trial, now)
@@ -165,7 +164,7 @@ def _simplified(
         # fewer numbers leave a joint a little more of the data they are fitted to
         if not _explains_as_much(trial, now):
             continue
-        fewer = _without_idle(trial)
+        fewer = _without_redundant(trial)
         if fewer is not trial and not _explains_as_much(fewer, now):
             continue
         if not _deviates_more(fewer, now):
@@ -188,7 +187,7 @@ def _left(after: Settled, before: Settled) -> Array:
     return np.asarray(found[0] / found[1])
 
 
-def _without_idle(now: Settled) -> Settled:
+def _without_redundant(now: Settled) -> Settled:
     """Remove, one after the other, causes without which the robot is predicted as well."""
     while (fewer := _fewer(now)) is not None:
         now = fewer
@@ -198,12 +197,12 @@ def _without_idle(now: Settled) -> Settled:
 def _fewer(now: Settled) -> Settled | None:
     """The state without the least needed cause; None if all are needed.
 
-    After refitting the other causes, the residual must be as small as predicted to first order.
-    The other causes may not compensate with numbers past their bounds.
+    After refitting the other causes, the residual must be as small as predicted to first order,
+    and bodies no farther from the model's nominal values.
     """
     found = now.found
     others = [now.corrected(found.without(i)).screened() for i in range(len(found.causes))]
-    for i, promised in idle(now.screened(), others):
+    for i, promised in redundant(now.screened(), others):
         trial = now.without(i).refitted()
         most = (1.0 + CLEARLY) * max(1.0, float(promised.mean()))
         if not _deviates_more(trial, now) and float(_left(trial, now).mean()) <= most:

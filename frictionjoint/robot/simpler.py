@@ -14,7 +14,7 @@ from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.robot.candidate import Candidate
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice, within_bounds
-from frictionjoint.robot.compare import as_much, gain_of, nearer
+from frictionjoint.robot.compare import as_good, gain_of, nearer
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import Settled
@@ -47,7 +47,7 @@ def simpler(
             else:
                 squares = seen.held_out(several)
             total = float(squares.sum())
-            if as_much(seen.stack, squares, left):
+            if as_good(seen.stack, squares, left):
                 tried.append((_size(several), total, several))
             elif len(several) > 1 and all(c.cause for c in several):
                 nearest.append((total, several))
@@ -56,7 +56,7 @@ def simpler(
             _, several = min(nearest, key=lambda one: one[0])
             after = rest.fitted_with(_causes(several))
             squares = after.squares_left()
-            if nearer(after.found.deviation, found.deviation) and as_much(
+            if nearer(after.found.deviation, found.deviation) and as_good(
                 seen.stack, squares, left
             ):
                 tried.append((_size(several), float(squares.sum()), several))

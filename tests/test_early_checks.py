@@ -10,8 +10,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from frictionjoint.effects.signals import LOAD, A
 from frictionjoint.errors import LogError
+from frictionjoint.identify.early_checks import check, check_signs, scale_is_determined
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.gate import check, check_signs, scale_is_determined
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit

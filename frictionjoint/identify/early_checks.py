@@ -5,13 +5,12 @@ linear torque balance is solved, in a fraction of a second:
 
     torque = load + friction + viscosity * v + residual
 
-* **Signs.** Friction takes power from the joint. If it would supply power, a sign is wrong,
-  whatever else the balance contains. So it is if gravity and inertia both appear with the opposite
-  sign, for example in a torque that was measured behind the friction.
+* **Signs.** A sign is wrong if friction would supply power, or if gravity and inertia both have the
+  opposite sign, as in a torque that was measured behind the friction.
 * **Units, clocks, another joint's columns.** The load of the model and friction of any level must
   explain some of the torque.
-* **Units too large.** A large torque could be friction; but the gravity and the inertia that the
-  torque shows cannot both be the same large multiple of the model's.
+* **Units too large.** Friction may be large, but gravity and inertia in the torque are not both the
+  same large multiple of the model's.
 """
 
 from typing import NamedTuple
@@ -107,7 +106,7 @@ def check(prepared: Prepared) -> None:
 
 
 def unexplained_fraction(prepared: Prepared) -> float:
-    """Residual of the model's load and friction of any level, as a fraction of the drive's rms."""
+    """Fraction of the drive's rms that the model's load and friction of any level leave."""
     return _left(_balance(prepared), prepared.gain_unknown)
 
 

@@ -18,20 +18,19 @@ Replayed = Callable[[Prepared, Fit], Array | None]
 
 
 def nearer(errors: Array, now: Array) -> bool:
-    """Whether the error of runs falls: by a fraction of the rms, and by a paired standard error."""
+    """Whether the errors of simulated runs are clearly smaller: by a fraction of the rms, and by a
+    paired standard error."""
     gained = now - errors
     enough = errors.sum() < (1.0 - CLEARLY) ** 2 * now.sum()
     return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
 
 
 def moving_nearest(state: State, replayed: Replayed) -> bool:
-    """Use another local minimum of the law if its simulated motion is nearer to the logs.
+    """Use another local minimum of the law if its simulated motion is nearer to the logs; return
+    whether one is used.
 
     Errors in a reconstructed drive bias the law: several local minima explain the torque equally
     well and simulate quite different motions.
-
-    Returns:
-        whether another one is used.
     """
     now = replayed(state.prepared, state.fit)
     if now is None:

@@ -1,4 +1,4 @@
-"""The smallest effect that the logs would have shown, in all and of each kind."""
+"""Detection limit: the smallest torque of an effect that the logs would have shown."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,8 +21,8 @@ class Smallest:
     """The smallest effect of one kind that the logs would have shown, rms N m of its torque.
 
     Attributes:
-        least, most: of the shape that shows best, and of the one that shows worst. Infinite if it
-            would have to exceed the measured torque, because the model can imitate it.
+        least, most: for the shape that is easiest to detect, and for the hardest; infinite if it
+            exceeds the measured torque, because the model can imitate the effect.
     """
 
     name: str
@@ -31,14 +31,14 @@ class Smallest:
 
 
 @dataclass(frozen=True)
-class Sight:
-    """The smallest detectable effect.
+class DetectionLimit:
+    """The smallest detectable effect, of any kind and of each.
 
     Attributes:
         torque: rms, N m, of an effect that the law cannot imitate, in motion.
         duration: of the logs, s; needed: duration, s, of such motion that would reveal an effect
             that makes half of the residual.
-        of_each: of every effect that the model lacks, best shown first.
+        of_each: for every effect that the model lacks, easiest to detect first.
     """
 
     torque: float
@@ -57,15 +57,14 @@ class Sight:
         return replace(self, torque=self.torque / gain, of_each=each)
 
 
-def sight(
+def detection_limit(
     prepared: Prepared, fitted: Fit, chance: float, blocks: Blocks, candidates: Sequence[Candidate]
-) -> Sight:
+) -> DetectionLimit:
     """The smallest effect that the logs could have shown.
 
-    The score of B equal blocks is at most B, so an effect that makes a fraction g of the residual
-    scores about B g / (1 - g), which must exceed the score by chance over the whole family. Of its
-    torque only what the law and the other effects cannot imitate is seen, and samples count by
-    their weight.
+    An effect that makes a fraction g of the residual scores about B g / (1 - g) on B equal blocks,
+    which must exceed the score by chance over the whole family. Only the part of its torque that
+    the law and the other effects cannot imitate counts, and samples count by their weight.
 
     Args:
         chance: score that the best of the family exceeds by chance in one case of twenty.
@@ -75,8 +74,7 @@ def sight(
     longest = max(correlation_time(e[fitted.log_index == i]) for i in np.unique(fitted.log_index))
     count = max(2.0, len(e) / (2.0 * longest))
     needed = float(chdtri(1, np.exp(-chance))) if chance > 0.0 else 0.0
-    # of all that is asked of an effect what asks most: more than chance, a part of what is left,
-    # and more than a law errs by
+    # an effect must exceed chance, a fraction of the residual, and the error of a law
     fraction = max(needed / (needed + count), SMALLEST_GAIN)
     left = fitted.drive_rms * fitted.error_unit
     friction = root_mean_square(fitted.friction * fitted.weight)
@@ -89,7 +87,7 @@ def sight(
         shown = size < fitted.target_rms
         sizes.setdefault(c.term.name, []).append(size if shown else np.inf)
     each = sorted((Smallest(n, min(x), max(x)) for n, x in sizes.items()), key=lambda x: x.least)
-    return Sight(torque, duration, duration * enough / count, tuple(each))
+    return DetectionLimit(torque, duration, duration * enough / count, tuple(each))
 
 
 def smallest(
@@ -98,7 +96,7 @@ def smallest(
     """rms torque, N m, of each candidate of which the model cannot imitate a given part.
 
     Args:
-        torque: weighted rms of that part, N m, see `Sight`.
+        torque: weighted rms of that part, N m, see `DetectionLimit`.
     """
     found = screen(fitted, blocks, candidates)
     sizes = []

@@ -29,7 +29,7 @@ from frictionjoint.robot.stack import roots
 _FLAT = 1e-9
 
 
-def descended(
+def fitted_causes(
     joints: Sequence[FittedJoint], blocks: Clock, found: Found, own: Callable[[str], bool]
 ) -> Found:
     """The causes with the numbers that minimise the residual of these joints.
@@ -46,7 +46,7 @@ def descended(
     factor, target = _squares(joints, blocks, here, places, own)
     prior = np.concatenate([c.prior for c in found.causes]) / np.sqrt(blocks.alike)
     steepest = np.linalg.norm(factor @ _moves(found.original, found.causes, found.numbers, places))
-    # a number without presumption that moves no torque would wander off: it stays at nothing
+    # a number without a prior and without influence on any torque stays at zero
     pull = np.diag(np.hypot(1.0 / prior, _FLAT * steepest))
     at, left = _read(here, places), np.concatenate([-target, np.zeros(len(pull))])
     problem = _Problem(found.causes, found.original, places, at, left, factor, pull)
@@ -56,7 +56,7 @@ def descended(
 
 @dataclass(frozen=True)
 class _Problem:
-    """Residual of the joints and pull to the model's values, by the numbers of some causes.
+    """Residual of the joints, and prior around the model's values, by the numbers of causes.
 
     Attributes:
         before: corrections without the causes.

@@ -1,4 +1,4 @@
-"""One joint along one prepared log: its rigid-body torque, and how corrections change it.
+"""Rigid-body torque of one joint along one log, and its change with corrections of the model.
 
 The torque is linear in the parameters of bodies, rotors and shafts, so its columns are filtered and
 decimated once, and any change of corrections is a sum of them.

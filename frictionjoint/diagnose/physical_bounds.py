@@ -1,4 +1,4 @@
-"""Parameters that the data push past their physical bounds."""
+"""Effects with parameters that the logs push past their physical bounds."""
 
 import math
 from collections.abc import Iterator
@@ -12,20 +12,18 @@ from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 
-# of a drive, what must act: a limit may leave little of what high gains ask for, but not nothing
+# smallest fraction of the drive's rms that effects of the drive may leave
 LEAST_ACTING = 0.01
 
 
 def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
     """Names of effects that would leave the physical range of one of their numbers.
 
-    If the logs push a number past its bound by more than its standard error, and by more torque
-    than the usual error of a law, they contain something else. A bound at zero or infinity is no
-    such bound: there an effect has another form, or vanishes. For discontinuous effects,
-    derivatives say too little.
-
-    An effect is impossible too if it reverses friction, which must dissipate energy, or if it
-    leaves no drive although the joint moves.
+    A number past its bound by more than its standard error, and by more torque than the usual error
+    of a law, shows that the cause is another one. Bounds at zero and infinity do not count, because
+    the effect vanishes there or has another form; nor do discontinuous effects, whose derivatives
+    say too little. An effect is impossible too if friction would supply energy, or if no drive
+    remains although the joint moves.
     """
     if fitted.acting < LEAST_ACTING:
         return frozenset(t.name for t in fitted.terms if isinstance(t, DriveTerm))
@@ -34,13 +32,13 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
         for i, term in enumerate(fitted.terms)
         if isinstance(term, EffectTerm) and not term.effect.leaps
         for k, outward in _at_ends(fitted, i, term)
-        if _leaves(fitted, blocks, k, outward)
+        if _would_exceed_bound(fitted, blocks, k, outward)
     )
-    return beyond.union(_turn_friction_round(fitted, blocks))
+    return beyond.union(_below_zero_friction(fitted, blocks))
 
 
-def _turn_friction_round(fitted: Fit, blocks: Blocks) -> Iterator[str]:
-    """Names of effects on the friction level that subtract more than the whole level.
+def _below_zero_friction(fitted: Fit, blocks: Blocks) -> Iterator[str]:
+    """Names of effects on the friction level with which friction supplies energy in some blocks.
 
     Friction may return the elastic energy of its bristles, as the law alone does, but no more.
     """
@@ -88,7 +86,7 @@ def _at_ends(fitted: Fit, i: int, term: EffectTerm) -> Iterator[tuple[int, float
                 yield k, outward
 
 
-def _leaves(fitted: Fit, blocks: Blocks, k: int, outward: float) -> bool:
+def _would_exceed_bound(fitted: Fit, blocks: Blocks, k: int, outward: float) -> bool:
     """Whether parameter k would move past its bound if the free parameters were refitted.
 
     The refit is to first order. The standard error comes from the spread over blocks of time (White

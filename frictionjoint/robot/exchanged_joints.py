@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import combinations
 
 from frictionjoint.errors import FrictionJointError, LogError
-from frictionjoint.identify.gate import unexplained_fraction
+from frictionjoint.identify.early_checks import unexplained_fraction
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import JointLog

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from frictionjoint.diagnose.possible import LEAST_ACTING, exceeding_friction, impossible
+from frictionjoint.diagnose.physical_bounds import LEAST_ACTING, exceeding_friction, impossible
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import needed
+from frictionjoint.diagnose.state import improves
 from frictionjoint.effects.drive_limit import EFFECT as LIMITED
 from frictionjoint.effects.frictional_lag import EFFECT as LAG
 from frictionjoint.effects.nonlinear_viscous import EFFECT
@@ -50,7 +50,7 @@ def test_such_an_effect_is_not_needed_however_much_it_explains(joint):
     blocks = make_blocks(prepared, found)
     now, without = scored(found, blocks), scored(base, blocks)
     assert now.gain(without) > 0.5
-    assert needed(now, without) == (p < LIMIT)
+    assert improves(now, without) == (p < LIMIT)
 
 
 @pytest.mark.parametrize(("change", "turned"), [(-0.6, False), (-1.6, True)])

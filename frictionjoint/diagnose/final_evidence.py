@@ -1,9 +1,9 @@
 """The evidence for each effect, recomputed on the final model.
 
 An effect was accepted while the model had another law and other effects. So each effect is examined
-again, as if only this effect were missing. All candidates compete for its place. The law keeps the
-parameters fitted with the effect, because a law refitted without the effect would be biased. The
-best candidates are then fitted in its place.
+again, as if it alone were missing, and all candidates compete for its place. The law keeps the
+parameters fitted with the effect, because refitted without it, it would be biased. The best
+candidates are then fitted in its place.
 
 An effect is dropped if neither its coefficient nor its shape predicts held-out motion, or if fewer
 than half of the random halves of the data prefer it to the candidates and to no effect. A candidate
@@ -11,9 +11,8 @@ that explains as much as the effect, within the standard error, is a tie. An eff
 within two standard errors of zero is dropped first, unless several such effects carry the evidence
 together and held-out prediction gets worse without this one.
 
-The p-value stays the one at which the effect was accepted: if a missing slow effect biased the law,
-that from the final model is not informative. An effect that was accepted for the p-value of another
-one, with which it came as a pair, has that of the final model.
+The p-value stays that of the step that accepted the effect; of a pair, one effect may have been
+insignificant then, and has that of the final model.
 """
 
 import itertools
@@ -23,20 +22,20 @@ import numpy as np
 
 from frictionjoint.decisions import MOSTLY, SIGNIFICANCE, TIE
 from frictionjoint.diagnose.determined import undetermined
-from frictionjoint.diagnose.drop import drop_idle
+from frictionjoint.diagnose.drop import drop_redundant
 from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.look_without import look_without
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked
-from frictionjoint.diagnose.possible import exceeding_friction
+from frictionjoint.diagnose.physical_bounds import exceeding_friction
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, as_much, needed, numbers_of, with_fewer, without
+from frictionjoint.diagnose.state import State, as_good, improves, numbers_of, with_fewer, without
 from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.weights import reweighed
 
 
-def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
+def final_evidence(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
     """The effects of the model, each with its evidence; effects without support are dropped."""
     while True:
         unsure = _leave_out_undetermined(state)
@@ -49,17 +48,16 @@ def restated(state: State, rng: np.random.Generator) -> tuple[Finding, ...]:
         least = min(weak, key=lambda f: f.row.frequency).term
         state.left_out[least.name] = "most parts of the data do not confirm it"
         state.prepared, state.fit = reweighed(state.prepared, without(state, least))
-        drop_idle(state)
+        drop_redundant(state)
 
 
 def _leave_out_undetermined(state: State) -> list[Term]:
     """Remove, one after the other, effects whose sizes the logs do not determine.
 
-    One without which held-out prediction gets worse stays in the model, and the report says that
-    its size is open: several such effects carry the evidence together, or the law could replace it
-    only where its own numbers end. But where the logs determine no effect, one with an error above
-    its size may be the law's own error in another form, unless it takes nearly all that is left
-    without it: a slow change is certain long before its end and its rate are known.
+    One without which held-out prediction gets worse stays, and the report says that its size is not
+    determined. But if the logs determine no effect, one with a standard error above its size stays
+    only if it removes nearly all of the residual, as the law's own error does not: a slow change is
+    certain long before its end and its rate are known.
 
     Returns:
         those that stay.
@@ -70,7 +68,7 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         now = scored(state.fit, blocks)
         fits = {term: without(state, term) for term in unsure}
         scores = {term: scored(f, blocks) for term, f in fits.items()}
-        idle = [fits[term] for term, its in scores.items() if not needed(now, its)]
+        idle = [fits[term] for term, its in scores.items() if not improves(now, its)]
         least = min(unsure, key=lambda term: unsure[term])
         open_size = unsure[least] >= 1.0 or len(unsure) < len(state.fit.effects)
         much = now.gain(scores[least]) >= 1.0 - TIE
@@ -83,7 +81,7 @@ def _leave_out_undetermined(state: State) -> list[Term]:
         state.prepared, state.fit = reweighed(state.prepared, fewer)
         changed = True
     if changed:
-        drop_idle(state)
+        drop_redundant(state)
     return list(unsure)
 
 
@@ -128,7 +126,7 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     now, bare, *others = (scored(f, rest.blocks) for f in (state.fit, rest.fit, *instead))
     close = _within_error(seen, row)
     alike = [
-        term.name in close or (as_much(now, other) and as_much(other, now))
+        term.name in close or (as_good(now, other) and as_good(other, now))
         for term, other in zip(rivals, others, strict=True)
     ]
     for term in itertools.compress(rivals, alike):

@@ -13,14 +13,13 @@ from frictionjoint.arrays import Array
 from frictionjoint.identify.rounding import EQUAL
 from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.choose import Choice
-from frictionjoint.robot.compare import as_much
+from frictionjoint.robot.compare import as_good
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import Settled
 
 
-def restated(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
-    """The evidence of the causes of a model, with those of the earlier ties among all `causes` that
-    remain."""
+def with_alternatives(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
+    """The evidence for each cause of a model, with the alternatives that remain on this model."""
     found, joints, single_effects = settled.found, settled.joints, settled.single_effects
     left = settled.squares_left()
     there = {c.label for c in found.causes} | single_effects
@@ -41,19 +40,19 @@ def restated(settled: Settled, causes: Sequence[Cause]) -> tuple[Choice, ...]:
 
 
 def _renamed(rest: Settled, own: Cause, causes: Sequence[Cause], left: Array) -> Iterator[str]:
-    """Other causes that change the same body as the model's `own`, with no more numbers, whose
-    residual is as small as `left`, the model's; `rest` is the model without its own."""
+    """Labels of other causes that change the same body as `own`, a cause of the model, with no more
+    parameters and a residual as small as `left`, the model's; `rest` is the model without `own`."""
     for c in causes:
         other = c.changed == own.changed and c.label != own.label
         if other and len(c.start) <= len(own.start):
             # they are nonlinear far from the nominal parameters
             trial = rest.fitted_with([c])
-            if as_much(trial.screened().stack, trial.squares_left(), left):
+            if as_good(trial.screened().stack, trial.squares_left(), left):
                 yield c.label
 
 
 def _as_good(seen: Screened, own: Cause, wanted: frozenset[str], left: Array) -> Iterator[str]:
-    """Those `wanted` whose residual is as small as `left`, the model's with its `own` cause."""
+    """Labels among `wanted` whose residual is as small as `left`, that of the model with `own`."""
     open_ones = [c for c in seen.candidates if c.label in wanted]
     itself = next(c for c in seen.candidates if c.cause == own)
     stand = [c for c in seen.candidates if c is not itself and c.label not in wanted]
@@ -62,5 +61,5 @@ def _as_good(seen: Screened, own: Cause, wanted: frozenset[str], left: Array) ->
         # a column that adds nothing is the same cause under the name of a joint's effect
         both = float(seen.held_out((*stand, itself, c)).sum())
         same = abs(both - alone) <= EQUAL * alone
-        if not same and as_much(seen.stack, seen.held_out((*stand, c)), left):
+        if not same and as_good(seen.stack, seen.held_out((*stand, c)), left):
             yield c.label

@@ -10,7 +10,7 @@ from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.corrections import Corrections
-from frictionjoint.robot.descend import descended
+from frictionjoint.robot.fit_causes import fitted_causes
 from frictionjoint.robot.joint import FittedJoint
 
 
@@ -35,7 +35,7 @@ def rms(joints, found) -> list[float]:
 
 def test_a_body_three_times_as_heavy_is_found_from_the_models_own(joints):
     start = found_of(joints, BodyInertia(2, "link2", "mass"))
-    found = descended(joints, Clock(joints), start, lambda label: False)
+    found = fitted_causes(joints, Clock(joints), start, lambda label: False)
     assert np.exp(found.numbers[0][0]) == pytest.approx(3.0, rel=0.1)
     assert all(b < a for a, b in zip(rms(joints, start), rms(joints, found), strict=True))
 
@@ -47,6 +47,6 @@ def test_a_payload_is_found_though_one_direction_of_its_centre_moves_no_torque_a
     joints = fitted_joints(arm, (1, 2), 8.0)
     _, mass, centre = arm.hidden["payload"]
     start = found_of(joints, Payload(3, "link3", 10.0))
-    (found,) = descended(joints, Clock(joints), start, lambda label: False).numbers
+    (found,) = fitted_causes(joints, Clock(joints), start, lambda label: False).numbers
     assert found[0] == pytest.approx(mass, rel=0.02)
     assert np.linalg.norm(found[1:4] / found[0] - centre) < 2e-3
