@@ -16,7 +16,7 @@ MEANINGS = {
     "stiffness": "presliding stiffness",
     "n": "exponent of the transition to sliding",
     "knots": "transition curve",
-    "gain": "torque per unit of drive",
+    "gain": "motor constant",
 }
 SIDES = {"pos": "forward", "neg": "backward"}
 # T: torque or force of a joint, x: its position

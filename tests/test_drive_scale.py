@@ -13,6 +13,7 @@ from frictionjoint.errors import ParameterError
 from frictionjoint.files import read_parameters
 from frictionjoint.measured.log import JointLog
 from frictionjoint.report.joint_report import Report
+from frictionjoint.report.numbers import friction_card
 from frictionjoint.report.page import render
 from tests.command_line import run
 from tests.three_sines import sines
@@ -79,7 +80,6 @@ def test_a_report_states_all_torques_in_ampere(report: Report) -> None:
     assert report.final["Fc_pos"].value == pytest.approx(FC / KT, rel=0.05)
     assert report.final["sigma2_pos"].unit == "A s/rad"
     assert "gain" not in report.final
-    # of the noise of 0.01 A what lies in the band
     assert 0.001 < report.after_torque.held_out < 0.01
     assert "held-out logs; per cent of the measured current" in report.summary()
     page = render(report, report.to_dict())
@@ -104,6 +104,7 @@ def test_a_gain_from_the_load_widens_the_errors() -> None:
     assert found.unit == "N m"
     gain, level = found.estimates["gain"], found.estimates["Fc_pos"]
     assert gain.value == pytest.approx(KT, rel=0.05)
-    assert gain.unit == "N m/A"
+    stated = friction_card(found.estimates)[-1]
+    assert (stated.meaning, stated.text[-5:]) == ("motor constant", "N m/A")
     assert level.value == pytest.approx(FC, rel=0.05)
     assert level.stderr > 0.3 * level.value * gain.stderr / gain.value

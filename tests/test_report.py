@@ -109,7 +109,7 @@ def test_the_terminal_prints_the_summary(found, capsys):
     told = capsys.readouterr().out
     assert told == noted.summary() + "\n"
     assert "* a thing [to] know\n" in told
-    assert re.search(r"^Smallest detectable .*, rms: from 0\.\d+ .*N m \(.*to .*N m \(", told, re.M)
+    assert re.search(r"^Smallest detectable .*: 0\.\d+ .*\), \.\.\., .*N m \(", told, re.MULTILINE)
     assert re.search(r"^Record next: +Record this$", told, re.MULTILINE)
     assert re.search(r"Coulomb friction: +1\.\d+\u00a0±", told)
 
@@ -147,7 +147,6 @@ def test_the_verdict_owns_up(found, nothing):
     # with the intervals before and after upon each other, no fall is claimed
     wide = replace(found, torque_interval=((0.1, 0.3), (0.01, 0.12)))
     assert "which may be chance" in wide.summary()
-    # what the held-out logs contradict is not claimed
     worse = replace(found, after_torque=Rms(0.03, 0.3), torque_interval=((0.2, 0.25), (0.28, 0.33)))
     assert "held-out logs contradict it" in worse.summary()
     assert "which is worse" in worse.summary()
@@ -157,13 +156,11 @@ def test_the_verdict_owns_up(found, nothing):
         found, after_replay=Rms(0.03, 0.035), replay_interval=((0.01, 0.033), (0.034, 0.04))
     )
     assert re.search(r"position .*\u00a0rad, which is worse", astray.summary())
-    # a residual far above the noise is not "nothing missing"
     assert "What remains is" in nothing.summary()
     apart = replace(nothing, after_torque=Rms(0.01, 0.25)).summary()
     assert "held-out logs is 25 times that on fitted logs" in apart
     quiet = replace(nothing, noise_floor=nothing.before_torque.held_out)
     assert "Nothing that these logs can show" in quiet.summary()
-    # no noise above an error that remains is stated
     least = min(
         x for e in (nothing.before_torque, nothing.after_torque) for x in (e.fit, e.held_out)
     )
@@ -177,8 +174,9 @@ def test_the_verdict_owns_up(found, nothing):
 def test_the_headline_says_the_cause_of_a_dependence_and_what_the_effects_explain(found, nothing):
     cause = {"position": "The logged position seems off by up to 0.04 rad, 1 per turn: look."}
     off = {"unexplained": (("position", 0.9),), "unexplained_causes": cause}
-    alone = replace(nothing, verdict="partly-explained", **off)
+    alone = replace(nothing, verdict="partly-explained", notes=tuple(cause.values()), **off)
     assert "No effect of the catalogue. The logged position seems off by up to" in alone.summary()
+    assert alone.summary().count("seems off") == 1, "not once more as a note"
     for report in (alone, replace(found, verdict="partly-explained", **off)):
         assert "1 per turn: look (90% of the squared residual)." in report.summary()
         assert "no known effect explains" not in report.summary()
@@ -208,7 +206,7 @@ def test_advice_names_what_these_logs_leave_open():
     tie, unexplained, velocity, presliding_motion, held = what_to_record(
         [(effect, "gravity-error")], [], {"load": ""}, law, False, {("Vs_pos",): "a sine"}
     )
-    assert "spring, cable or balancer from payload or wrong mass" in tie
+    assert "spring or cable from payload or wrong mass" in tie
     assert effect.separating_motion in tie
     assert "load: one motion with two payloads" in unexplained
     assert velocity == "a sine"  # a computed motion replaces the general one

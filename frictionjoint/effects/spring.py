@@ -14,7 +14,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 EFFECT = Effect(
     name="spring",
-    title="spring, cable or balancer",
+    title="spring or cable",
     effect_id=4,
     kernel=torque,
     coefficients=("stiffness", "preload"),

@@ -64,8 +64,8 @@ def unexplained(prepared: Prepared, left: float, hint: str) -> str:
     units = f"the units of {c.position} ({c.position_unit}) and {c.drive} ({c.drive_unit})"
     return (
         f"{prepared.names}: the residual is {left:.3g} times the {prepared.drive}{hint}: check "
-        f"{units}{c.rest}, their signs, their clock, and that they are of joint {prepared.joint!r} "
-        "of the MJCF"
+        f"{units}{c.rest}, their signs, their clock, the masses in the MJCF, and that they are of "
+        f"joint {prepared.joint!r} of the MJCF"
     )
 
 

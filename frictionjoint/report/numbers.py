@@ -19,7 +19,7 @@ Status = Literal["determined", "not determined", "assumed", "fixed"]
 
 # what a factor is where there is no effect; of any other number it is 0
 _NULL = {"factor": 1.0}
-_CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs")
+_CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs", "gain")
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,8 @@ class Summary:
         self.law_errors: dict[str, float] = dict(content.get("law_errors", {}))
         self.unexplained = tuple((x["variable"], x["share"]) for x in content["unexplained"])
         self.causes: dict[str, str] = dict(content.get("unexplained_causes", {}))
-        self.notes = without_repetition(content.get("notes", ()))
+        stated = set(self.causes.values())
+        self.notes = without_repetition(x for x in content.get("notes", ()) if x not in stated)
         self.record_next = tuple(dict.fromkeys(content.get("proposals", ())))
         self.logs = _logs(content)
         self.at_rest: float = content.get("at_rest") or 0.0

@@ -24,9 +24,9 @@ def summary_text(content: Mapping[str, Any]) -> str:
     lines += _notes(s)
     shown = [f"{size} ({name})" for name, size in s.smallest if size]
     if shown:
-        ends = " to ".join(dict.fromkeys((shown[0], shown[-1])))
+        ends = ", ..., ".join(dict.fromkeys((shown[0], shown[-1])))
         lead = "Smallest detectable further effects, rms"
-        lines += ["", f"{lead}: from {ends}; all are listed in report.html."]
+        lines += ["", f"{lead}: {ends}; all are listed in report.html."]
     return "\n".join(lines)
 
 
