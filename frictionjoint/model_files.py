@@ -106,8 +106,8 @@ def _warn_of_shapes(model: str | Path, left_out: tuple[str, ...]) -> None:
     # a process that another one started reads what that one has warned of
     if left_out and multiprocessing.parent_process() is None:
         warnings.warn(
-            f"{model}: meshes not found: {few(left_out)}; these shapes are left out, masses are "
-            "the file's own: put the meshes in their folder where collisions count",
+            f"{model}: meshes not found: {few(left_out)}; these shapes are ignored, masses are "
+            "those of the file: put the meshes in their folder if collisions matter",
             RuntimeWarning,
             stacklevel=4,
         )

@@ -53,7 +53,7 @@ def model_text(spec: mujoco.MjSpec, source: str | Path) -> str:
             text = str(spec.to_xml())
             after = mujoco.MjModel.from_xml_string(text)
         except ValueError as error:
-            raise ModelError(f"{name}: MuJoCo cannot read what it writes of it: {error}") from None
+            raise ModelError(f"{name}: MuJoCo cannot read its own output: {error}") from None
     _require_same(before, after, name)
     return _explained(text, before)
 
@@ -154,13 +154,13 @@ def _require_same(before: mujoco.MjModel, after: mujoco.MjModel, name: str) -> N
         old, new = getattr(before, key), getattr(after, key)
         if old != new:
             raise ModelError(
-                f"{name}: MuJoCo's own text of it is another model, {key} {new} not {old}"
+                f"{name}: MuJoCo writes it as a different model, with {key} {new} instead of {old}"
             )
     for key in _FROM_FILES:
         old, new = np.asarray(getattr(before, key)), np.asarray(getattr(after, key))
         # MJCF has six digits
         if old.shape != new.shape or not np.allclose(old, new, rtol=1e-5, atol=1e-5):
             raise ModelError(
-                f"{name}: files of models that it attaches have the same name and MuJoCo's text "
-                f"does not say which is meant ({key} differs): give them different names"
+                f"{name}: files of attached models have the same name, and MuJoCo's output does "
+                f"not distinguish them ({key} differs): give them different names"
             )

@@ -258,7 +258,7 @@ class FrictionParameters(StribeckFriction):
         if missing:
             raise ParameterError(f"missing parameter {', '.join(missing)}: add it")
         if (stiffness is None) == ("knots" not in others):
-            raise ParameterError("give stiffness, N m/rad, or knots, not both and not neither")
+            raise ParameterError("give either stiffness, N m/rad, or knots")
         if stiffness is not None:
             others["stiffness"] = stiffness
         return cls.from_dict(levels | others)

@@ -44,7 +44,7 @@ def test_torque_against_a_limit_is_neither_friction_nor_a_drive_that_saturates()
     assert report.final["Fc_pos"].value == pytest.approx(LOSS, rel=0.02)
     (said,) = [note for note in report.notes if "end of its range" in note]
     assert "-0.55 to 0.55 rad" in said
-    assert "left out" in said
+    assert "ignored" in said
 
 
 def test_limits_at_both_ends_that_the_model_lacks_are_one_end_stop():
@@ -68,8 +68,8 @@ def test_a_stop_at_one_end_is_tried_where_the_stop_at_both_ends_has_it():
     ("reach", "stands", "said"),
     [
         (0.5, False, None),
-        (0.56, True, "left out"),
-        (0.9, False, "It moves up to 0.35 rad beyond: there the range is taken as wrong."),
+        (0.56, True, "ignored"),
+        (0.9, False, "It moves up to 0.35 rad beyond, so the range is assumed wrong there."),
     ],
 )
 def test_a_joint_that_moves_far_beyond_a_limit_does_not_meet_it(reach, stands, said):

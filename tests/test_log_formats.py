@@ -193,7 +193,7 @@ INERTIA = '<inertial pos="0 0 -1" mass="2" diaginertia="1 1 1"/>'
 def test_missing_meshes_do_not_matter_where_masses_are_given(tmp_path: Path) -> None:
     path = tmp_path / "arm.xml"
     path.write_text(MESHES.format(INERTIA))
-    with pytest.warns(RuntimeWarning, match=r"meshes not found: link\.stl; these shapes are left"):
+    with pytest.warns(RuntimeWarning, match=r"not found: link\.stl; these shapes are ignored"):
         model = compile_model(path)
     assert (model.ngeom, model.nmesh, model.body_mass[1]) == (0, 0, 2.0)
     with pytest.raises(ValueError, match="Error opening file"):

@@ -128,7 +128,7 @@ def test_each_entry_of_what_is_undetermined_names_parameters_and_says_what_is_un
     found = Information(parameters, columns.T @ columns)
     rows = undetermined(found, {"elbow": {"Fc": Estimate(1.0, 0.9, "N m")}})
     assert [row["text"] for row in rows] == [
-        "mass of hand: only in sums with parameters of arm, taken as right",
+        "mass of hand: only in sums with parameters of arm, assumed correct",
         "Ixx of hand: no effect on these torques",
         "Iyy of hand: known to no better than 50% of the model's own size",
         "friction of elbow: Coulomb friction",

@@ -175,7 +175,7 @@ CASES = {
                                 python={"fixed": {"hip": 1.0}}),
     "a pose of the joint itself": wrong("joint to identify", options=("--fixed", "elbow=1"),
                                         python={"fixed": {"elbow": 1.0}}),
-    "a pose that is measured": wrong("holds its motion", log=arm("shoulder", "lamp"), model=ARM,
+    "a pose that is measured": wrong("contains its motion", log=arm("shoulder", "lamp"), model=ARM,
                                      options=("--fixed", "shoulder=1"),
                                      python={"fixed": {"shoulder": 1.0}}),
     "a pose that is no number": wrong("--fixed shoulder=up", "e.g. shoulder=0.3",

@@ -129,13 +129,13 @@ def _settled(
 
 
 def _says_left_out(name: str, why: str) -> str:
-    return f"The search added {title(name)} and left it out in the end: {why}."
+    return f"The search added {title(name)} and removed it again: {why}."
 
 
 def _alike_hint(one: str, other: str) -> str:
     first, second = (name.removesuffix("_c") for name in (one, other))
     return (
-        f"These logs do not show whether {first} or {second} is the cause, as both explain as much."
+        f"These logs do not show whether {first} or {second} is the cause: both fit equally well."
     )
 
 

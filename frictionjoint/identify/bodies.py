@@ -69,7 +69,7 @@ class Bodies:
                 said.append(said_of([body.joint]))
             if body.native:
                 said.append(
-                    f"Joint {body.joint!r} has {body.native} of its own in the MJCF, left out "
-                    "here and in a model that gets the friction found: it would count twice."
+                    f"Joint {body.joint!r} has {body.native} in the MJCF. It is ignored here, and "
+                    "removed where the identified friction is added, because it would count twice."
                 )
         return tuple(dict.fromkeys(said))

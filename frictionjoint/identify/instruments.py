@@ -91,9 +91,9 @@ class MissingTerm(SmoothTerm):
     def says(self, coefficients: Array, unit: str) -> str:
         """The missing torque, in a sentence."""
         return (
-            f"Where the logged torque stands at its largest value, {-coefficients[0]:.2g} {unit} "
-            "more acted on average: the sensor, or what writes the log, saturates. The final fit "
-            "leaves these samples out. Record with a wider range, or a slower motion."
+            f"Where the logged torque is at its largest value, {-coefficients[0]:.2g} {unit} more "
+            "acted on average: the sensor or the recorder saturates. The final fit ignores these "
+            "samples. Record with a wider range or a slower motion."
         )
 
 

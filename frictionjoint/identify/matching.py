@@ -93,12 +93,12 @@ def _limit_note(positions: Sequence[Array], body: RigidBody) -> tuple[str, ...]:
     stands = np.array([x.any() for x in at])
     if np.any(stands):
         said.append(
-            f"In {np.concatenate(at).mean():.1%} of the samples it stands there: the torque "
-            "of a limit is unknown, so they are left out, with those close by."
+            f"In {np.concatenate(at).mean():.1%} of the samples it is there. The torque of a limit "
+            "is unknown, so these samples and those close by are ignored."
         )
     if np.any((beyond >= 0.0) & ~stands):
         said.append(
-            f"It moves up to {beyond.max():.3g} {unit} beyond: there the range is taken as wrong."
+            f"It moves up to {beyond.max():.3g} {unit} beyond, so the range is assumed wrong there."
         )
     return (" ".join(said),)
 
@@ -125,7 +125,7 @@ def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
     fixed = {model.joint(j).name for j in body.poses}
     both = sorted(fixed & set(log.other_positions))
     if both:
-        raise ModelError(f"--fixed {both[0]}: {log.name} holds its motion, leave one out")
+        raise ModelError(f"--fixed {both[0]}: {log.name} contains its motion, leave one out")
     unknown = sorted(set(log.other_positions) - body.joint_names)
     absent = sorted(body.joint_names - set(log.other_positions) - fixed)
     if unknown and absent:
@@ -135,7 +135,7 @@ def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
             f"{log.name}: no joint {unknown[0]!r} in the MJCF{hint} "
             f"(the log lacks its {', '.join(absent)})"
         )
-    said = [f"{log.name}: joint {name!r} is not in the MJCF, no torque of it" for name in unknown]
+    said = [f"{log.name}: joint {name!r} is not in the MJCF and is ignored" for name in unknown]
     matter = _that_matter(log, body)
     hinges = [joint_label(model, j) for j in matter if int(model.jnt_type[j]) in ONE_DOF]
     if hinges:

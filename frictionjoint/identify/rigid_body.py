@@ -270,9 +270,9 @@ def _require_uncoupled(model: mujoco.MjModel, j: int) -> None:
             other = [joint_label(model, i) for i in pair if i not in (j, -1)]
             raise ModelError(
                 f"joint {model.joint(j).name!r}: an equality constraint "
-                f"{f'couples it to {other[0]!r}' if other else 'holds it'}, so no motion tells its "
-                "torque: take the constraint out of the MJCF and put the inertia of what the joint "
-                "drives through it into the joint's armature"
+                f"{f'couples it to {other[0]!r}' if other else 'holds it'}, so its motion does not "
+                "determine its torque: remove the constraint from the MJCF, and add the inertia "
+                "that the joint drives through it to the joint's armature"
             )
 
 

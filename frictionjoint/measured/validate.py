@@ -125,7 +125,7 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
             )
         if unit in _MUST_CHANGE and x.min() == x.max():
             raise LogError(
-                f"{source}, {name}: constant at {x[0]:g}, it was not recorded: "
+                f"{source}, {name}: constant at {x[0]:g}, so probably not recorded: "
                 "leave it out or check the column"
             )
 
@@ -204,7 +204,7 @@ def _check_speed(source: str, name: str, speed_name: str, columns: Mapping[str, 
     sure = cross * cross > 0.25 * power * slope
     if sure and not 0.5 < cross / power < 2.0:
         raise LogError(
-            f"{source}: {name} changes {cross / power:.3g} times as fast as {speed_name} says: "
+            f"{source}: {name} changes {cross / power:.3g} times as fast as {speed_name} states: "
             "check the units and signs of the two, and of time_s"
         )
 

@@ -80,13 +80,13 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
     posterior = report.posterior
     if posterior is None:
         raise ParameterError(
-            "these logs do not determine the torque of the drive, so friction has no N m (N) to "
-            "compare by. A load that gravity changes, or a known payload, determines it."
+            "these logs do not determine the torque of the drive, so friction in N m (N) is "
+            "unknown. A load that gravity changes, or a known payload, determines it."
         )
     corrected = [x.effect for x in report.added if x.effect in _MEASURED]
     if corrected:
         raise ParameterError(
-            "the comparison takes the drive as it is measured, and this result corrects it "
+            "the comparison uses the measured drive, and this result corrects it "
             f"({', '.join(map(title, corrected))})."
         )
     return Known(report.mjcf, report.joint, posterior, fixed, report.bandwidth_hz)
@@ -120,12 +120,12 @@ def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dic
 def _sentence(name: str, between: Between, unit: str) -> str:
     share = f", {between.deviation / abs(between.mean):.0%} of it" if between.mean else ""
     cause = (
-        f" Most of it follows {between.cause} ({between.slope:.2g} per unit)."
+        f" Most of it depends on {between.cause} ({between.slope:.2g} per unit)."
         if between.cause
         else ""
     )
     return (
         f"Between recordings, {name} varies by {between.deviation:.2g}{unit}{share} (standard "
-        f"deviation, without the error of each; p {between.p_value:.2g}).{cause} Samples of the "
-        "parameters include this variation."
+        f"deviation, corrected for the error of each; p {between.p_value:.2g}).{cause} Samples of "
+        "the parameters include this variation."
     )

@@ -57,10 +57,10 @@ class Excitation:
         seconds = f"{self.time[-1]:.3g} s"
         if min(self.fall) > 0.9:
             return (
-                f"nothing in particular: {seconds} more would add little. The best motion within "
+                f"Nothing in particular: {seconds} more would add little. The best motion within "
                 f"the limits of range, speed and torque, next_trajectory.csv, {fall}"
             )
-        return f"the motion in next_trajectory.csv ({seconds}). It {fall}"
+        return f"The motion in next_trajectory.csv ({seconds}). It {fall}"
 
 
 @dataclass(frozen=True)

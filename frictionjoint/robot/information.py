@@ -164,7 +164,7 @@ def _sums(found: Information, base: BaseParameters) -> list[dict[str, Any]]:
         partners += [x.owner for x in parts]
     sums = "only in sums"
     return [
-        _row(sums, owner, names, f"{sums} with parameters of {others}, taken as right")
+        _row(sums, owner, names, f"{sums} with parameters of {others}, assumed correct")
         for owner, (names, partners) in owners.items()
         for others in (", ".join(dict.fromkeys(partners)),)
     ]
