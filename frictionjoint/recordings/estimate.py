@@ -171,8 +171,8 @@ class _Part:
     def __init__(self, log: JointLog) -> None:
         if all(getattr(log, kind) is None for kind in DRIVES):
             raise LogError(
-                f"{log.name}: comparing recordings needs a measured drive, or a controller with "
-                "known kp and supply."
+                f"{log.name}: no measured drive, and no controller with known kp and supply: the "
+                "comparison of recordings needs one of them."
             )
         _, position, dt = on_a_grid(log)
         self.log = log
