@@ -292,7 +292,7 @@ def test_recordings_that_are_not_compared_are_said() -> None:
     bare = [replace(x, torque=None, target=x.position) for x in logs]
     (note,) = with_recordings(stated, bare).notes
     assert "no measured drive" in note
-    assert "no N m" in with_recordings(replace(stated, posterior=None), logs).notes[0]
+    assert "N m (N) is unknown" in with_recordings(replace(stated, posterior=None), logs).notes[0]
 
 
 @pytest.mark.parametrize("tau", [0.0, 0.2])
