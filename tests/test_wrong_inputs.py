@@ -184,7 +184,7 @@ CASES = {
                                     options=("--fixed", "shoulder=1,2"),
                                     python={"fixed": {"shoulder": [1.0, 2.0]}}),
     "a ball joint": wrong("is a ball joint", model=BALL),
-    "a slide for a hinge's log": wrong("is a slide in the MJCF", model=SLIDE),
+    "a slide for a hinge's log": wrong("a slide in the MJCF", "position_m, force_n", model=SLIDE),
     # tables
     "no header": wrong("no header", "numbered, 1 to 3", "--column time_s=NUMBER",
                        log=text_of(table(), header=False)),

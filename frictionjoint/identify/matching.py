@@ -38,10 +38,10 @@ def check_logs(
     for log in everything:
         check_time(log.name, log.time, lambda sample: sample)
         if log.slide != body.slide:
-            kind, unit = ("slide", "m and N") if body.slide else ("hinge", "rad and N m")
+            kind, columns = ("slide", "m, force_n") if body.slide else ("hinge", "rad, torque_nm")
             raise LogError(
-                f"{log.name}: joint {body.joint!r} is a {kind} in the MJCF: its columns must be in "
-                f"{unit}"
+                f"{log.name}: joint {body.joint!r} is a {kind} in the MJCF: its columns must be "
+                f"position_{columns}"
             )
     _check_repeats(logs, held_out)
     said: list[str] = []

@@ -263,6 +263,6 @@ def _rivals_line(s: Summary) -> str:
         return ""
     e, (name, gain) = best[0]
     return (
-        f"nothing else; the next candidate, {name}, explains {gain:.1%} where {e.title} "
-        f"explains {e.gain:.1%}."
+        f"no other effect explains as much; the next candidate, {name}, explains {gain:.1%} where "
+        f"{e.title} explains {e.gain:.1%}."
     )
