@@ -29,7 +29,7 @@ _OURS = ("time_s", *KNOWN, *_FIGURES)
 # how the columns of others are called, by what is missing
 _LIKELY = {
     "time_s": re.compile(r"^(time|t|stamp|seconds?|millis|sec|ms)\b|time", re.I),
-    "position_rad": re.compile(r"^q\d*$|(\b|_)pos(ition)?(_|\b)|angle|theta", re.I),
+    "position_rad": re.compile(r"^q(_?meas.*|\d*)$|(\b|_)pos(ition)?(_|\b)|angle|theta", re.I),
     "torque_nm": re.compile(r"^tau|torque|effort", re.I),
     "force_n": re.compile(r"force", re.I),
 }
