@@ -188,7 +188,7 @@ CASES = {
     # tables
     "no header": wrong("no header", "numbered, 1 to 3", "--column time_s=NUMBER",
                        log=text_of(table(), header=False)),
-    "names of their own": wrong("it has t, q_meas, i", "--column time_s=t --column position_rad=q_meas",
+    "names of their own": wrong("it has t, q_meas, i", "time_s=t --column position_rad=q_meas",
                                 log=renamed(time_s="t", position_rad="q_meas", torque_nm="i")),
     "names with other units": wrong("--column position_rad=position_deg --unit position=deg",
                                     "--column torque_nm=tau_mNm --unit torque=mNm",
