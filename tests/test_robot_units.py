@@ -52,7 +52,7 @@ def test_parameters_are_shown_in_words_and_once_for_both_directions():
         ((), "no log"),
         (("a.csv", "--robot", "x=b.csv", "--robot", "y=c.csv"), "every log as NAME=LOG"),
         (("--robot", "b.csv"), "write NAME=LOG"),
-        (("--robot", "x=a.csv", "--robot", "x=b.csv"), "one robot is compared with none"),
+        (("--robot", "x=a.csv", "--robot", "x=b.csv"), "comparing needs two robots"),
         (("--robot", "x=a.csv", "--robot", "y=a.csv"), "this log is given twice"),
         (("a.csv", "--joint", "elbow", "--scheduler", "tcp://x:1"), "omit it for one joint"),
         (("logs", "--held-out", "logs"), "at least one that is not held out"),

@@ -165,7 +165,7 @@ def robots_of(robots: list[str]) -> dict[str, list[Path]]:
             raise LogError(f"--robot {text}: this log is given twice, give each robot its own")
         found.setdefault(name, []).append(Path(path))
     if len(found) == 1:
-        raise LogError(f"--robot {name}: a comparison needs two robots: give the logs of one as LOG")
+        raise LogError(f"--robot {name}: comparing needs two robots: give the logs of one as LOG")
     return found
 
 
