@@ -27,8 +27,8 @@ class Excitation:
     Attributes:
         joints: names. slides: whether each is a slide.
         time: s, shape (n,). q: positions, shape (n, joints).
-        fall: ratio of the standard errors of the base parameters after and before it: median and
-            smallest.
+        fall: ratio of the standard errors of the base parameters after and before it: median, and
+            that of the parameter with the largest error.
     """
 
     joints: tuple[str, ...]
@@ -52,7 +52,7 @@ class Excitation:
         """The benefit of the motion, in a sentence."""
         fall = (
             "should reduce the standard errors of the base parameters by "
-            f"{1.0 - self.fall[0]:.0%} (median), at most by {1.0 - self.fall[1]:.0%}."
+            f"{1.0 - self.fall[0]:.0%} (median), the largest one by {1.0 - self.fall[1]:.0%}."
         )
         seconds = f"{self.time[-1]:.3g} s"
         if min(self.fall) > 0.9:
