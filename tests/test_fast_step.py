@@ -10,8 +10,6 @@ from frictionjoint.simulate import row
 from frictionjoint.simulate.fast_step import joint_torque
 
 KNOTS = ((2e-3, 1.5), (4e-3, 2.2), (8e-3, 3.2))
-
-
 LAW = fj.FrictionParameters.symmetric(
     Fs=1.5, Fc=1.0, Vs=0.05, sigma1=0.3, sigma2=0.2, n=2.0, knots=KNOTS
 )
@@ -39,10 +37,8 @@ def test_the_usual_step_of_a_joint_is_the_general_one():
 
 def test_rounding_at_rest_fills_no_memory_and_is_not_lost():
     t = 1e-3 * np.arange(1, 2001)
-    steps = np.concatenate(
-        [np.full(200, 1e-6), np.tile([3e-18, -3e-18], 400), np.full(1000, 3e-18)]
-    )
-    q, still = np.cumsum(steps), np.zeros(len(t))
+    steps = [np.full(200, 1e-6), np.tile([3e-18, -3e-18], 400), np.full(1000, 3e-18)]
+    q, still = np.cumsum(np.concatenate(steps)), np.zeros(len(t))
     torque, X = simulated(joint_torque, t, q, still)
     assert max(X[row.FRONT + HEADER + N_MIN], X[row.FRONT + HEADER + N_MAX]) == 1.0
     assert np.abs(torque[200:1000] - torque[199]).max() < 1e-13

@@ -7,6 +7,7 @@ from reference.jenkins import jenkins_torque
 from reference.relaxation import advance, span
 from scipy.integrate import quad
 
+from frictionjoint.law import relaxation
 from frictionjoint.parameters import FrictionParameters
 
 KNOTS = ((1e-5, 4.0), (3e-5, 8.0), (1e-4, 12.0))
@@ -31,6 +32,13 @@ def test_span_is_the_integral_and_advance_its_inverse(n, r0, r1):
     )[0]
     assert span(r0, r1, n) == pytest.approx(wanted, rel=1e-9)
     assert advance(r0, span(r0, r1, n), n) == pytest.approx(r1, rel=1e-10)
+
+
+@pytest.mark.parametrize("n", [1.5, 3.0, 3.5, 7.5, 20.0, 60.0])
+def test_the_kernel_follows_the_same_flow(n):
+    for r, a in np.random.default_rng(5).uniform((-1.2, 1e-3), (1.05, 0.5), (99, 2)):
+        for start in (r, 1.0 + (r - 1.0) / (9.0 * n)):
+            assert relaxation.advance(start, a, n) == pytest.approx(advance(start, a, n), abs=1e-9)
 
 
 def test_reference_equals_jenkins_elements_below_nine_tenths_of_breakaway():

@@ -31,8 +31,10 @@ INTEGRATED, STATIC, ARMSTRONG, DAHL, LUGRE, ELASTOPLASTIC, MAXWELL_SLIP, DAHL_ST
 
 
 @compiled
-def _rival_header(P: Vector, p: int) -> int:
-    """float64 of one header of a law other than the integrated one."""
+def header_size(P: Vector, p: int) -> int:
+    """Length of the committed header of a row; the header of the last evaluation follows it."""
+    if P[p] == INTEGRATED:
+        return HEADER
     if P[p] == MAXWELL_SLIP:
         return maxwell_slip.size(P, p + 1)
     if P[p] == ARMSTRONG:
@@ -43,17 +45,9 @@ def _rival_header(P: Vector, p: int) -> int:
 
 
 @compiled
-def header_size(P: Vector, p: int) -> int:
-    """Length of the committed header of a row; the header of the last evaluation follows it."""
-    return HEADER if P[p] == INTEGRATED else _rival_header(P, p)
-
-
-@compiled
 def row_size(P: Vector, p: int) -> int:
     """Number of float64 a joint's state takes."""
-    if P[p] == INTEGRATED:
-        return 2 * HEADER + 2 * CAPACITY
-    return 2 * _rival_header(P, p)
+    return 2 * header_size(P, p) + (2 * CAPACITY if P[p] == INTEGRATED else 0)
 
 
 @compiled
@@ -64,7 +58,7 @@ def start_row(P: Vector, p: int, X: Vector, x: int) -> None:
         for i in range(HEADER):
             X[x + HEADER + i] = X[x + i]
         return
-    n = _rival_header(P, p)
+    n = header_size(P, p)
     for i in range(2 * n):
         X[x + i] = 0.0
     # bristles at rest follow the motion one to one; the static law has none
@@ -110,16 +104,16 @@ def hold_rival(
 def step_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     """Torque after a displacement from the committed point, which is not changed."""
     if P[p] == INTEGRATED:
-        return integrated.usual_step(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
-    return step_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
+        return integrated.step(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
+    return step_rival(P, p, X, x, x + header_size(P, p), dq, dt, v)
 
 
 @in_line
 def hold_row(P: Vector, p: int, X: Vector, x: int, dq: float, dt: float, v: float) -> float:
     """`step_row` for a simulation, in which every law can hold a joint at rest."""
     if P[p] == INTEGRATED:
-        return integrated.usual_step(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
-    return hold_rival(P, p, X, x, x + _rival_header(P, p), dq, dt, v)
+        return integrated.step(P, p + 1, X, x, x + HEADER, x + 2 * HEADER, dq, dt, v)
+    return hold_rival(P, p, X, x, x + header_size(P, p), dq, dt, v)
 
 
 @compiled
@@ -139,14 +133,14 @@ def trial(
         kept = room(HEADER)
         for i in range(HEADER):
             kept[i] = X[h + i]
-        integrated.usual_step(P, p + 1, X, h, h, s, dq, dt, v)
+        integrated.step(P, p + 1, X, h, h, s, dq, dt, v)
         Fh, rate = X[h + FH], X[h + RATE]
         for i in range(HEADER):
             X[h + i] = kept[i]
         X[low] = minimum
         X[high] = maximum
         return Fh, rate
-    n = _rival_header(P, p)
+    n = header_size(P, p)
     h = x + n
     kept = room(n)
     for i in range(n):
@@ -161,14 +155,11 @@ def trial(
 @in_line
 def commit(P: Vector, p: int, X: Vector, x: int) -> None:
     """Make the last evaluated point the committed one."""
-    if P[p] == INTEGRATED:
-        for i in range(HEADER):
-            X[x + i] = X[x + HEADER + i]
-        make_room(X, x, x + 2 * HEADER)
-        return
-    n = _rival_header(P, p)
+    n = header_size(P, p)
     for i in range(n):
         X[x + i] = X[x + n + i]
+    if P[p] == INTEGRATED:
+        make_room(X, x, x + 2 * HEADER)
 
 
 @compiled
@@ -202,9 +193,7 @@ def fit_row(P: Vector, p: int, X: Vector, x: int) -> None:
 @compiled
 def hysteresis_torque(P: Vector, p: int, X: Vector, x: int) -> float:
     """Fh of the last evaluation, N m: the friction torque without its viscous and sigma1 parts."""
-    if P[p] == INTEGRATED:
-        return X[x + HEADER + FH]
-    return X[x + _rival_header(P, p) + bristle.FH]
+    return X[x + header_size(P, p) + FH]  # each law's header begins with it
 
 
 @in_line
@@ -234,8 +223,6 @@ def presliding(P: Vector, p: int) -> tuple[float, float]:
             K += P[p + 1 + maxwell_slip.ELEMENTS + 2 * i]
         return K, 0.0
     K = P[p + 1 + bristle.OWN]
-    if law == DAHL:
-        K *= 2.0 ** P[p + 1 + bristle.OWN + 1]
-    if law == DAHL_STRIBECK:
+    if P[p] == DAHL or P[p] == DAHL_STRIBECK:
         K *= 2.0 ** P[p + 1 + bristle.OWN + 1]
     return K, P[p + 1 + bristle.SIGMA1]

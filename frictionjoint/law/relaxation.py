@@ -17,13 +17,14 @@ from frictionjoint.compiled import compiled, in_line
 
 # exp(-37) is below the spacing of doubles at 1: from here on r is 1 to the last bit.
 _U_SATURATED = 37.0
-# A fourth-order Runge-Kutta step of n*a below this is exact to about 1e-9; a handful of them cost
-# less than one Newton solution.
-_SMALL_STEP = 0.05
-_SMALL = 8 * _SMALL_STEP
-# Nearer to 1 than this a power of r is two terms of its binomial series, and the flow has a closed
-# form, to 1e-14.
-_NEAR = 1e-5
+# n*a up to which a few steps of a series cost less than one Newton solution
+_SMALL = 0.4
+# Nearer to 1 than this a power of r is two terms of its binomial series, to 1e-14.
+_NEXT = 1e-5
+# n |1 - r| below this: the flow is a series, to 1e-11
+_NEAR = 0.05
+# n (1 - |r|) beyond this: |r|**n is below exp(-8), which is small
+_FLAT = 8.0
 _ORDER = 8
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(_ORDER)
 _X = tuple(float(x) for x in _NODES)
@@ -54,7 +55,7 @@ def _slope(r: float, n: float) -> float:
 def rate(r: float, n: float) -> float:
     """dz/dx = 1 - sgn(r) |r|**n."""
     short = 1.0 - r
-    if abs(short) < _NEAR:
+    if abs(short) < _NEXT:
         return n * short * (1.0 - 0.5 * (n - 1.0) * short)
     return _slope(r, n)
 
@@ -249,26 +250,39 @@ def _advance_above(r0: float, a: float, n: float) -> float:
     return 1.0 + math.exp(-u)
 
 
-@compiled
-def _advance_small(r: float, a: float, n: float) -> float:
-    """r after a small displacement from -1 <= r < 1."""
-    steps = 1 + int(n * a / _SMALL_STEP)
-    h = a / float(steps)
-    for _ in range(steps):
-        k1 = _slope(r, n)
-        k2 = _slope(r + 0.5 * h * k1, n)
-        k3 = _slope(r + 0.5 * h * k2, n)
-        k4 = _slope(r + h * k3, n)
-        r += h * (k1 + 2.0 * (k2 + k3) + k4) / 6.0
-    return r
+@in_line
+def _advance_flat(r: float, a: float, n: float) -> float:
+    """r after the displacement a while |r|**n < exp(-_FLAT): r' = 1 - sgn(r) |r|**n to second
+    order in this power."""
+    end = r + a
+    w0, w1 = power(abs(r), n), power(abs(end), n)
+    x0, x1 = abs(r) * w0, abs(end) * w1
+    back = n * (end * w1 * w1 - r * w0 * w0) / (2.0 * n + 1.0)
+    back -= x0 * ((w1 if end > 0.0 else -w1) - (w0 if r > 0.0 else -w0))
+    return end - (x1 - x0 - back) / (n + 1.0)
 
 
 @compiled
 def _advance_near_one(r: float, a: float, n: float) -> float:
-    """r after the displacement a from next to 1, where e = 1 - r has e' = -n e + n (n-1)/2 e^2."""
-    e = 1.0 - r
-    fallen = math.exp(-n * a)
-    return 1.0 - e * fallen / (1.0 - 0.5 * (n - 1.0) * e * (1.0 - fallen))
+    """r after the displacement a from where n |1 - r| < _NEAR.
+
+    e = 1 - r has e' = -n e (1 - b1 e + b2 e^2 - ...), so e exp(D(e)) / (1 - b1 e) falls by
+    exp(-n a), with D a series of e that begins with its square.
+    """
+    e, b1, fallen = 1.0 - r, 0.5 * (n - 1.0), math.exp(-n * a)
+    end = e * fallen / (1.0 - b1 * e * (1.0 - fallen))
+    if abs(e) < _NEXT:
+        return 1.0 - end
+    b2 = (1.0 / 3.0) * b1 * (n - 2.0)
+    b3 = 0.25 * b2 * (n - 3.0)
+    d2, d3 = -0.5 * b2, (1.0 / 3.0) * (b3 - 2.0 * b1 * b2)
+    d4 = 0.25 * (b2 * b2 - 3.0 * b1 * b1 * b2 + 2.0 * b1 * b3 - 0.2 * b3 * (n - 4.0))
+    D = e * e * (d2 + e * (d3 + e * d4))
+    at_end = end * end * (d2 + end * (d3 + end * d4))
+    # the end that D moves by this has another D
+    D -= at_end * (1.0 + 2.0 * (D - at_end))
+    fallen *= 1.0 + D * (1.0 + 0.5 * D)
+    return 1.0 - e * fallen / (1.0 - b1 * e * (1.0 - fallen))
 
 
 @compiled
@@ -303,18 +317,20 @@ def _taylor_steps(r: float, a: float, n: float) -> int:
 
 
 @compiled
-def _advance_by_taylor(r: float, a: float, n: float) -> float:
-    """r after a small displacement from r > 0: the series of r and of w = r**n side by side.
+def _advance_by_taylor(r: float, a: float, n: float, way: float) -> float:
+    """|r| after a small displacement from r of the sign `way`: the series of |r| and of
+    w = |r|**n side by side.
 
     From w' r = n w r' the coefficients of w follow by recurrence (Knuth, 4.7), so that each step
     costs one power.
     """
-    steps = _taylor_steps(r, a, n)
+    # towards zero it falls up to twice as fast as it rises
+    steps = _taylor_steps(r, (1.5 - 0.5 * way) * a, n)
     h = a / float(steps)
     for _ in range(steps):
         q = 1.0 / r
-        w0 = float(r**n)
-        r1 = 1.0 - w0
+        w0 = power(r, n)
+        r1 = way - w0
         w1 = q * n * r1 * w0
         r2 = -0.5 * w1
         w2 = 0.5 * q * ((n - 1.0) * r1 * w1 + 2.0 * n * r2 * w0)
@@ -333,32 +349,27 @@ def _advance_by_taylor(r: float, a: float, n: float) -> float:
 @compiled
 def any_advance(r: float, a: float, n: float) -> float:
     """`advance` for every exponent but 1 and 2."""
-    # powers 3 and 4 cost nothing, and the flow with them is smooth enough at 0
-    plain = n * a < _SMALL and (n == 3.0 or n == 4.0)
+    most = max(-r, r + a)
+    if n * (1.0 - most) > _FLAT or (n >= 3.0 and most < 0.06):
+        return _advance_flat(r, a, n)
     if r < 0.0:
-        if plain and r >= -1.0:
-            return _advance_small(r, a, n)
+        if -1.0 <= r < -0.01 and n * a < _SMALL and _taylor_steps(-r, 2.0 * a, n) <= 4:
+            return -_advance_by_taylor(-r, a, n, -1.0)
         to_zero = _to_zero(-r, n)
         if a < to_zero:
             return -_advance_negative(-r, a, n)
         r, a = 0.0, a - to_zero
     if r == 1.0:
         return 1.0
-    if abs(1.0 - r) < _NEAR:
+    if n * abs(1.0 - r) < _NEAR:
         return _advance_near_one(r, a, n)
-    if n == 4.0 and r < 2.0 and (r > 1.0 or not plain):
-        return _advance_fourth(r, a)
     # S that falls leaves r a bit above 1; r**n must not be much above 1 either
-    if 1.0 < r < 1.02 and n * (r - 1.0) < 0.25 and n * a < _SMALL:
-        return _advance_by_taylor(r, a, n)
-    if r < 1.0 and plain:
-        return _advance_small(r, a, n)
-    if r < 1.0 and n * a < _SMALL:
-        # r**n is not smooth at 0 for small n, which both ways need
-        if r > 0.01 and _taylor_steps(r, a, n) <= 4:
-            return _advance_by_taylor(r, a, n)
-        if n >= 3.0:
-            return _advance_small(r, a, n)
+    if r > 1.0 and n * (r - 1.0) < 0.25 and n * a < _SMALL:
+        return _advance_by_taylor(r, a, n, 1.0)
+    if 0.01 < r < 1.0 and n * a < _SMALL and _taylor_steps(r, a, n) <= 4:
+        return _advance_by_taylor(r, a, n, 1.0)
+    if n == 4.0 and r < 2.0:
+        return _advance_fourth(r, a)
     return _advance_below(r, a, n) if r < 1.0 else _advance_above(r, a, n)
 
 
