@@ -68,12 +68,13 @@ def ctrl(k: int) -> Array:
     return np.float32([1.3 * np.sin(9 * t) + 0.5 * np.sin(41 * t), 0.9 * np.sin(23 * t)])
 
 
-def natively(model: mujoco.MjModel, steps: int = STEPS) -> Array:
-    """Positions and velocities under the native callback, shape (steps, 4)."""
+def natively(model: mujoco.MjModel, steps: int = STEPS, push: float = 0.0) -> Array:
+    """Positions and velocities under the native callback, shape (steps, 4); push: N, to and fro."""
     data, out = mujoco.MjData(model), []
     with fj.attach(model):
         for k in range(steps):
             data.ctrl[:] = ctrl(k)
+            data.xfrc_applied[-1, 0] = np.float32(push * math.sin(0.2 * k))
             mujoco.mj_step(model, data)
             out.append([*data.qpos, *data.qvel])
     return np.array(out)

@@ -25,8 +25,7 @@ def test_with_it_an_arm_moves_otherwise(effect):
 
 
 def test_the_torque_of_each_is_read_by_its_name():
-    model = arm(*map(acting, ALL))
-    data, seen = mujoco.MjData(model), []
+    data, seen = mujoco.MjData(model := arm(*map(acting, ALL))), []
     with fj.attach(model):
         for k in range(300):
             data.ctrl[:] = ctrl(k)

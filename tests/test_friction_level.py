@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from acting import acting, name, torques
 
 from frictionjoint.effects import backlash, dwell_time, warm_up_drift
-from frictionjoint.effects.kernel import columns
-from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, H, Q, V
+from frictionjoint.effects.kernel import columns, scales_level
+from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, ONSET, TIME, H, Q, V
 
 
 def slid_rested_slid(rest: float) -> np.ndarray:
@@ -34,6 +35,17 @@ def test_stiction_grows_with_the_rest_before_it_and_is_slid_off():
         assert after[-1] == pytest.approx(steady, abs=1e-3)
         assert peaks[-1] == pytest.approx((1.0 - steady) * -math.expm1(-rest / tau), abs=0.02)
     assert peaks[0] < peaks[1] < peaks[2]
+
+
+@pytest.mark.parametrize("effect", [e for e in torques() if scales_level(e.effect_id)], ids=name)
+def test_in_sliding_a_simulated_level_is_that_of_a_log(effect):
+    signals = slid_rested_slid(0.1)
+    signals[1000:, [V, H]] *= -1.0
+    signals[:, Q] = np.cumsum(signals[:, V] * signals[:, DT])
+    along = [effect.effect_id, acting(effect).shape, len(effect.coefficients), signals]
+    log = columns(*along)
+    signals[:, ONSET] = 1e-7
+    np.testing.assert_allclose(columns(*along)[[999, -1]], log[[999, -1]], rtol=1e-6, atol=1e-7)
 
 
 def test_rubbing_warms_and_rest_cools():

@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import frictionjoint as fj
-from frictionjoint.effects import nonlinear_viscous, warm_up_drift
+from frictionjoint.effects import dwell_time, nonlinear_viscous, warm_up_drift
 from frictionjoint.joint_friction import SimulatedEffect
 from tests.standing import LINKAGE, law, one_joint, plain_mass, random_tree, table, with_friction
 
@@ -67,8 +67,7 @@ def pushed(effect, stiffness, top, v=0.0):
     """Position and velocity of a joint with an effect, under a load from 2 s on."""
     spec = mujoco.MjSpec.from_string(one_joint(0.1))
     fj.install(spec, {"j": law(1.0, stiffness)}, {"j": [effect]})
-    model = spec.compile()
-    data, found = mujoco.MjData(model), []
+    data, found = mujoco.MjData(model := spec.compile()), []
     data.qvel[0] = v
     with fj.attach(model):
         while data.time < 10.0:
@@ -88,9 +87,13 @@ def test_concave_viscous_friction_neither_turns_a_joint_round_nor_lets_it_creep(
     assert np.ptp(q[6000:]) < 1e-10
 
 
-def test_a_cold_joint_holds_what_its_friction_bears_which_is_four_times_that_of_its_law():
-    cold = SimulatedEffect(warm_up_drift.EFFECT, (1e6,), (2.1, 0.0))
-    q, _ = pushed(cold, 9e7, 2.4)
+COLD = (SimulatedEffect(warm_up_drift.EFFECT, (1e6,), (2.1, 0.0)), 9e7, 2.4)
+AGED = (SimulatedEffect(dwell_time.EFFECT, (0.5, 1e-3, 3e-6), (4.0,)), 1e4, 4.0)
+
+
+@pytest.mark.parametrize("raised", [COLD, AGED], ids=["cold", "aged"])
+def test_a_joint_holds_what_its_friction_bears_which_is_four_times_that_of_its_law(raised):
+    q, _ = pushed(*raised)
     assert np.ptp(q[6000:]) < 1e-10
 
 
@@ -100,8 +103,7 @@ def test_the_first_step_after_a_velocity_is_set_only_brakes_whatever_the_posture
     rail = f'<body><joint type="slide" axis="1 0 0"/>{inertial}</body></body>'
     spec = mujoco.MjSpec.from_string(one_joint(1e-3, 1e-2).replace("</body>", rail))
     fj.install(spec, {"j": law(1.0, 1e4)})
-    model = spec.compile()
-    data = mujoco.MjData(model)
+    data = mujoco.MjData(model := spec.compile())
     data.qpos[1] = data.qvel[0] = 1.0
     with fj.attach(model):
         mujoco.mj_step(model, data)

@@ -23,8 +23,7 @@ def joint(ratio, step=STEP):
 
 
 def run(model, load, seconds):
-    data = mujoco.MjData(model)
-    out = []
+    data, out = mujoco.MjData(model), []
     with fj.attach(model):
         for _ in range(round(seconds / model.opt.timestep)):
             data.qfrc_applied[0] = load(data.time, data.qpos[0])

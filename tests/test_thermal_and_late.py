@@ -20,6 +20,7 @@ from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.measured.log import JointLog
 from frictionjoint.rivals import LuGreParameters
 
+TWIST = -2.0  # N m, on the forearm
 LAW = LuGreParameters.symmetric(Fs=1.0, Fc=1.0, Vs=0.05, sigma2=0.0, sigma0=1e4)
 ARM = """<mujoco><option timestep="{step}" integrator="implicitfast"/><worldbody>
 <body><joint name="a" axis="0 1 0" armature="0.02"/><geom type="capsule" size=".03" mass="2"
@@ -47,6 +48,7 @@ def test_the_load_is_that_of_the_whole_arm(backend):
     )
     data, inverse = mujoco.MjData(model), np.zeros(model.nv)
     found, wanted, coupled = [], [], []
+    data.xfrc_applied[2, 4] = TWIST
     with fj.attach(model, backend):
         for k in range(1500):
             # the elbow thrashes, so that its acceleration is much of the shoulder's load
@@ -60,9 +62,9 @@ def test_the_load_is_that_of_the_whole_arm(backend):
                 mujoco.mj_forward(model, again)
                 assert fj.torque(model, again)["a"] == torque
                 found.append(torque.effects["load-dependent"])
-                # inverse dynamics without the armature; what contacts bear is not the gear's
+                # inverse dynamics without the armature; what others bear is not the gear's
                 mujoco.mj_rne(model, again, 1, inverse)
-                load = inverse[0] - again.qfrc_constraint[0]
+                load = inverse[0] - again.qfrc_constraint[0] - TWIST
                 wanted.append(0.3 * abs(load) * torque.hysteresis)
                 alone = again.M[0] - model.dof_armature[0]
                 coupled.append(load - again.qfrc_bias[0] - alone * again.qacc[0])

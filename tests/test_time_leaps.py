@@ -56,6 +56,5 @@ def test_what_an_effect_remembers_starts_afresh_too(leap):
         assert np.count_nonzero(data.userdata[-7:]), "nothing remembered: it would prove nothing"
         data.time += leap
         fresh = mujoco.MjData(m)
-        fresh.time = data.time
-        fresh.qpos[:], fresh.qvel[:] = data.qpos, data.qvel
+        fresh.time, fresh.qpos[:], fresh.qvel[:] = data.time, data.qpos, data.qvel
         np.testing.assert_array_equal(run(m, data, 100), run(m, fresh, 100))

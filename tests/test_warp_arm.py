@@ -23,6 +23,7 @@ mjw = pytest.importorskip("mujoco_warp")
 wp = pytest.importorskip("warp")
 from frictionjoint.simulate.warp import attach_warp  # noqa: E402
 
+PUSH = 3.0  # N, to and fro
 EPS = 2.0**-24  # half a unit in the last place of a single float, relative
 # what adds a torque
 COLUMNS = [e for e in torques() if e.coefficients]
@@ -115,14 +116,16 @@ def every_effect():
     each = [carrying(one) for one in which]
     model = two(each[0])
     m, d = mjw.put_model(model), mjw.make_data(model, nworld=len(which))
-    here = []
+    here, pushed = [], np.zeros((len(which), 3, 6))
     with attach_warp(m, d, model) as friction:
         friction.set_parameters("a", each)
         for k in range(1000):
             d.ctrl.assign(np.tile(ctrl(k), (len(which), 1)))
+            pushed[:, -1, 0] = PUSH * np.sin(0.2 * k)
+            d.xfrc_applied.assign(pushed)
             mjw.step(m, d)
             here.append(np.hstack([d.qpos.numpy(), d.qvel.numpy()]))
-    there = np.stack([natively(two(one), 1000) for one in each], axis=1)
+    there = np.stack([natively(two(one), 1000, PUSH) for one in each], axis=1)
     return dict(zip(which, np.moveaxis(np.array([here, there]), 2, 0), strict=True))
 
 

@@ -22,8 +22,8 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 @compiled
 def reached_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """dF sgn(v) H, reached over `reach` of motion, + dsigma2 |v|."""
-    level = sig[H] if sig[V] >= 0.0 else -sig[H]
-    return P[e + 1] * reached(level, P[e], sig, X, x) + P[e + 2] * abs(sig[V])
+    way = 1.0 if sig[V] >= 0.0 else -1.0
+    return P[e + 1] * reached(way, way, sig[H], P[e], sig, X, x) + P[e + 2] * abs(sig[V])
 
 
 EFFECT = Effect(

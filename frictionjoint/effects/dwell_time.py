@@ -7,7 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.friction_level import approached
+from frictionjoint.effects.friction_level import reached
 from frictionjoint.effects.signals import DT, H, Q, V
 
 
@@ -21,14 +21,11 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     h = sig[DT]
     if h <= 0.0:
         X[x] = 1.0  # the joint has been at rest for long before the log
-        X[x + 1] = 0.0
     else:
         rate = 1.0 / P[e] + abs(sig[V]) / P[e + 1]
         steady = 1.0 / (P[e] * rate)
         X[x] = steady + (X[x] - steady) * math.exp(-rate * h)
-        X[x + 1] = approached(X[x + 1], X[x] * sig[H], sig[Q] - X[x + 2], P[e + 2])
-    X[x + 2] = sig[Q]
-    return P[e + 3] * X[x + 1]
+    return P[e + 3] * reached(0.0, X[x], sig[H], P[e + 2], sig, X, x + 1)
 
 
 def _shapes(signals: Array) -> list[Shape]:

@@ -14,7 +14,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Shape
-from frictionjoint.effects.signals import DT, Q
+from frictionjoint.effects.signals import DT, ONSET, SHARE, Q
 
 # lengths over which a change of the level is reached, over the travel, where a fit starts
 REACHES = (1e-4, 1e-3)
@@ -29,12 +29,27 @@ def approached(E: float, target: float, dq: float, reach: float) -> float:
 
 
 @compiled
-def reached(target: float, reach: float, sig: Vector, X: Vector, x: int) -> float:
-    """A level approached over a length of motion; X[x] present level, X[x+1] last position."""
-    if sig[DT] <= 0.0:
-        X[x] = target
-    else:
-        X[x] = approached(X[x], target, sig[Q] - X[x + 1], reach)
+def reached(
+    start: float, level: float, h: float, reach: float, sig: Vector, X: Vector, x: int
+) -> float:
+    """Torque of a level s, approached over `reach` of motion.
+
+    Along a log E approaches s h. In a simulation that E would lag behind h in each vibration and
+    return more work than it takes: a joint at rest would creep. There a level above zero is a
+    bristle of its own (Dahl, 1968), which only dissipates.
+
+    Args:
+        start: the level at the first sample. h: Fh/Fc, or within +-1. X[x]: E; X[x+1]: last
+            position.
+    """
+    target, dq = level * h, sig[Q] - X[x + 1]
+    if sig[ONSET] > 0.0 and level > 0.0:
+        reach += sig[ONSET]
+        sig[SHARE] = sig[ONSET] / reach
+        target = level * max(1.0, abs(h))
+        if dq < 0.0:
+            target = -target
+    X[x] = start * h if sig[DT] <= 0.0 else approached(X[x], target, dq, reach)
     X[x + 1] = sig[Q]
     return X[x]
 

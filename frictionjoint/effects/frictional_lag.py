@@ -7,7 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.friction_level import approached
+from frictionjoint.effects.friction_level import reached
 from frictionjoint.effects.signals import DT, H, Q, V
 
 
@@ -22,13 +22,10 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     level = math.exp(-ratio * ratio)
     if sig[DT] <= 0.0:
         X[x] = level
-        X[x + 1] = 0.0
     else:
         X[x] += (level - X[x]) * -math.expm1(-sig[DT] / P[e])
-        target = min(1.0, max(-1.0, sig[H])) * (X[x] - level)
-        X[x + 1] = approached(X[x + 1], target, sig[Q] - X[x + 2], P[e + 2])
-    X[x + 2] = sig[Q]
-    return P[e + 3] * X[x + 1]
+    H1 = min(1.0, max(-1.0, sig[H]))
+    return P[e + 3] * reached(0.0, X[x] - level, H1, P[e + 2], sig, X, x + 1)
 
 
 def _lags(signals: Array) -> list[Shape]:

@@ -12,6 +12,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled, define, pointer, room
 from frictionjoint.effects.catalogue import SIMULATED
+from frictionjoint.effects.signals import RAISED, SHARE
 
 MEMORY = 3
 
@@ -47,7 +48,8 @@ scales_level: Callable[[int], bool] = _space["scales_level"]
 
 @compiled
 def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -> float:
-    """Sum over the block's effects in a simulation; X[each:] becomes the torque of each.
+    """Sum over the block's effects in a simulation; X[each:] becomes the torque of each, and
+    sig[RAISED] is filled.
 
     Effects that act through the mechanism or the sensors add no torque.
     """
@@ -57,7 +59,10 @@ def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -
         effect_id = int(P[at])
         X[each + i] = 0.0
         if effect_id != 14 and effect_id != 19 and effect_id != 20:
+            sig[SHARE] = 1.0
             X[each + i] = effect_torque(effect_id, P, at + 2, sig, X, x + MEMORY * i)
+            if scales_level(effect_id):
+                sig[RAISED] += sig[SHARE] * X[each + i]
         total += X[each + i]
         at += 2 + int(P[at + 1])
     return total

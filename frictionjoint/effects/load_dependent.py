@@ -19,22 +19,22 @@ from frictionjoint.effects.signals import GEAR, H, V
 @compiled
 def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c |load| H, reached over `reach` of motion."""
-    return P[e + 1] * reached(abs(sig[GEAR]) * sig[H], P[e], sig, X, x)
+    load = abs(sig[GEAR])
+    return P[e + 1] * reached(load, load, sig[H], P[e], sig, X, x)
 
 
 @compiled
 def coulomb_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c |load| H1, reached over `reach` of motion; H1 = H within +-1."""
-    target = abs(sig[GEAR]) * min(1.0, max(-1.0, sig[H]))
-    return P[e + 1] * reached(target, P[e], sig, X, x)
+    load, H1 = abs(sig[GEAR]), min(1.0, max(-1.0, sig[H]))
+    return P[e + 1] * reached(load, load, H1, P[e], sig, X, x)
 
 
 @compiled
 def stribeck_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(c + cs exp(-|v|/vs)) |load| H1, reached over `reach` of motion; H1 = H within +-1."""
-    level = P[e + 2] + P[e + 3] * math.exp(-abs(sig[V]) / P[e + 1])
-    target = level * abs(sig[GEAR]) * min(1.0, max(-1.0, sig[H]))
-    return reached(target, P[e], sig, X, x)
+    level = abs(sig[GEAR]) * (P[e + 2] + P[e + 3] * math.exp(-abs(sig[V]) / P[e + 1]))
+    return reached(level, level, min(1.0, max(-1.0, sig[H])), P[e], sig, X, x)
 
 
 def _reaches_and_falls(signals: Array) -> list[Shape]:

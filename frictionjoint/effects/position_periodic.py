@@ -22,7 +22,7 @@ def level_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(a sin(N q) + b cos(N q)) H, reached over `reach` of motion."""
     angle = P[e] * sig[Q]
     wave = P[e + 2] * math.sin(angle) + P[e + 3] * math.cos(angle)
-    return reached(wave * sig[H], P[e + 1], sig, X, x)
+    return reached(wave, wave, sig[H], P[e + 1], sig, X, x)
 
 
 EFFECT = Effect(

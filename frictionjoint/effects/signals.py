@@ -16,6 +16,9 @@ MOTOR  motor torque, N m, for models fitted to voltages or currents; zero in sim
 ASKED  commanded motor torque, N m; zero in a log
 LOSS   friction power, W, for `heating`; zero in a log
 HALT   damping that stops the joint within one time step, N m s/rad; zero in a log: no step
+ONSET  presliding displacement Fc/K, rad; zero in a log
+SHARE  stiffness of an effect that scales the level, relative to that of the law; not in a log
+RAISED torque of such effects times SHARE, N m; not in a log
 """
 
 import numpy as np
@@ -23,8 +26,8 @@ import numpy as np
 from frictionjoint.arrays import Array
 
 TIME, Q, V, A, SAG, SWAY, LOAD, GX, GY, TEMP, H, DTAU, DT, RATE = range(14)
-GEAR, MOTOR, ASKED, LOSS, HALT = range(RATE + 1, RATE + 6)
-N_SIGNALS = HALT + 1
+GEAR, MOTOR, ASKED, LOSS, HALT, ONSET, SHARE, RAISED = range(RATE + 1, RATE + 9)
+N_SIGNALS = RAISED + 1
 
 
 def parts_of_load(signals: Array) -> Array:

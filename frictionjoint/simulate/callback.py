@@ -56,6 +56,8 @@ _IN_PYTHON: dict[str, Any] = {
     "warn_of_no_room_in_c": lambda model: warn_of_no_room(model._address),
     "make_ready_in_c": make_ready,
     **{n: getattr(mujoco, n) for n in ("mj_factorM", "mj_mulM", "mj_projectConstraint", "mj_rne")},
+    # Python passes a whole array where C passes its beginning
+    "mj_applyFT": lambda m, d, *xs: mujoco.mj_applyFT(m, d, *(x[:3] for x in xs[:3]), *xs[3:]),
     "mj_stackAllocNum": lambda data, n: np.zeros(n),
     # Python's own memory needs no mark
     **dict.fromkeys(("mj_markStack", "mj_freeStack"), lambda data: None),
@@ -71,6 +73,7 @@ def _in_python(kernel: Any, name: str, **more: Any) -> Any:
 python_callback: Callable[[mujoco.MjModel, mujoco.MjData], None] = _in_python(
     native.native,
     "python_callback",
+    outside=_in_python(native.outside, "outside"),
     commanded_torque=_in_python(motor_demand.commanded_torque, "commanded_torque"),
 )
 """The callback in Python: slower than in C, but every line can be stepped through."""

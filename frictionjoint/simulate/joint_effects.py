@@ -7,9 +7,9 @@ from frictionjoint.compiled import compiled, in_line, room
 from frictionjoint.effects import signals
 from frictionjoint.effects.catalogue import SIMULATED
 from frictionjoint.effects.heating import EFFECT as HEATING
-from frictionjoint.effects.kernel import MEMORY, scales_level, total_torque
+from frictionjoint.effects.kernel import MEMORY, total_torque
 from frictionjoint.law import bristle
-from frictionjoint.law.kernel import coulomb_level, hysteresis_torque, levels_at
+from frictionjoint.law.kernel import coulomb_level, hysteresis_torque, levels_at, presliding
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.law.stribeck import SIGMA2
 from frictionjoint.simulate import row
@@ -39,7 +39,8 @@ def effects_torque(
     gy: float,
     asked: float,
 ) -> float:
-    """Torque of a block's effects at one instant; writes the evaluated memory.
+    """Torque of a block's effects at one instant; writes the evaluated memory, and adds the
+    implicit part of effects that raise the friction level to the GAIN of the row.
 
     The gear transmits `bias` (forces of gravity, of the motion of other joints and of contacts)
     plus the inertia behind the gear (the joint's inertia without its armature) times the
@@ -61,8 +62,12 @@ def effects_torque(
     sig[signals.HALT] = (inertia + armature) / dt if dt > 0.0 else 0.0
     sig[signals.ASKED] = asked
     sig[signals.TEMP] = np.nan  # until `heating` says it
+    sig[signals.RAISED] = 0.0
     law = x + row.FRONT
-    sig[signals.H] = hysteresis_torque(P, p, X, law) / coulomb_level(P, p)
+    level = coulomb_level(P, p)
+    K, _sigma1 = presliding(P, p)
+    sig[signals.H] = hysteresis_torque(P, p, X, law) / level
+    sig[signals.ONSET] = level / K
     n = MEMORY * int(P[effects])
     memory = law + law_row_size(P, p)
     for i in range(n):
@@ -75,31 +80,12 @@ def effects_torque(
     total = total_torque(P, effects, sig, X, memory + n, memory + 2 * n)
     if heats:
         X[memory + n + 1] = total
+    # a torque proportional to that of the law is a spring as the law is, implicit with it
+    Fh, levels = hysteresis_torque(P, p, X, law), levels_at(P, p)
+    if sig[signals.RAISED] * Fh > 0.0:
+        damping = P[levels] + P[bristle.side(levels, v) + SIGMA2]
+        X[x + row.GAIN] += max(0.0, X[x + row.GAIN] - damping) * sig[signals.RAISED] / Fh
     return total
-
-
-@compiled
-def level_gain(P: Vector, p: int, effects: int, X: Vector, x: int, v: float) -> float:
-    """Implicit part of effects that raise the friction level, N m s/rad, over the coming step.
-
-    Their torque is proportional to that of the law, so its spring acts on them too. It is added to
-    the GAIN of the row, after `effects_torque` has been called.
-    """
-    law = x + row.FRONT
-    Fh = hysteresis_torque(P, p, X, law)
-    levels = levels_at(P, p)
-    damping = P[levels] + P[bristle.side(levels, v) + SIGMA2]
-    spring = max(0.0, X[x + row.GAIN] - damping)
-    each = law + law_row_size(P, p) + 2 * MEMORY * int(P[effects])
-    raised = 0.0
-    at = effects + 1
-    for i in range(int(P[effects])):
-        if scales_level(int(P[at])):
-            raised += X[each + i]
-        at += 2 + int(P[at + 1])
-    gain = spring * raised / Fh if raised * Fh > 0.0 else 0.0
-    X[x + row.GAIN] += gain
-    return gain
 
 
 @compiled

@@ -28,11 +28,11 @@ _SCALARS = {
 }
 _MODEL_FIELDS = """nv nnumeric nuserdata numeric_adr numeric_data opt jnt_bodyid jnt_axis M_rowadr
 M_rownnz dof_invweight0 dof_M0 dof_armature nu actuator_trntype actuator_trnid actuator_group
-actuator_gear actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange"""
+actuator_gear actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange nbody"""
 _OPTION_FIELDS = """timestep integrator solver noslip_iterations disableflags disableactuator
 gravity"""
 _DATA_FIELDS = """time qpos qvel qacc qfrc_passive qfrc_constraint userdata sensordata M xmat xaxis
-ctrl arena parena nefc efc_AR efc_AR_rownnz"""
+xipos xfrc_applied ctrl arena parena nefc efc_AR efc_AR_rownnz"""
 # what only some versions have: actuators that need not have one control and one output; from MuJoCo
 # 3.11 on efc_Y; until then the mass matrix in a second format, and copies by island
 _SOME_MODEL_FIELDS = "nactuator actuator_ctrladr actuator_ctrlnum actuator_outadr dof_Madr"

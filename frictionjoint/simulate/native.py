@@ -12,7 +12,8 @@ from typing import Any
 
 import mujoco
 
-from frictionjoint.compiled import compiled, entry_point, external, in_line
+from frictionjoint.arrays import Vector
+from frictionjoint.compiled import compiled, entry_point, external, in_line, pointer
 from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
 from frictionjoint.simulate.fast_step import joint_torque
 from frictionjoint.simulate.implicit_mass import put_in, take_back
@@ -20,7 +21,6 @@ from frictionjoint.simulate.joint_effects import (
     asks_for_load,
     coupled_load,
     effects_torque,
-    level_gain,
     unit_gravity,
 )
 from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, offsets
@@ -31,6 +31,7 @@ from frictionjoint.simulate.pointers import (
     MODEL,
     Address,
     bind_mujoco,
+    mj_applyFT,
     mj_factorM,
     mj_freeStack,
     mj_markStack,
@@ -49,7 +50,7 @@ from frictionjoint.simulate.resolve_when_stepped import (
     make_ready_in_c,
     warn_of_no_room_in_c,
 )
-from frictionjoint.simulate.row import BASE, T_EVALUATED
+from frictionjoint.simulate.row import BASE, GAIN, T_EVALUATED, TORQUE
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
 
 PGS = int(mujoco.mjtSolver.mjSOL_PGS)
@@ -79,6 +80,20 @@ def give_back_projection(d: Address) -> None:
             lowest = begin
     if lowest != 0:
         wholes_in(d, AT[DATA.parena])[0] = lowest - int(wholes_in(d, AT[DATA.arena])[0])
+
+
+@compiled
+def outside(m: Address, d: Address, nv: int, result: Vector) -> None:
+    """Joint torques of the forces and torques that a user applies to bodies, N m."""
+    forces, centres = reals(d, AT[DATA.xfrc_applied]), reals(d, AT[DATA.xipos])
+    for k in range(nv):
+        result[k] = 0.0
+    for body in range(1, int(wholes_in(m, AT[MODEL.nbody])[0])):
+        force, torque = pointer(forces, 6 * body), pointer(forces, 6 * body + 3)
+        for k in range(3):
+            if force[k] != 0.0 or torque[k] != 0.0:
+                mj_applyFT(m, d, force, torque, pointer(centres, 3 * body), body, result)
+                break
 
 
 @compiled
@@ -141,6 +156,9 @@ def native(m: Address, d: Address) -> None:
                     mj_markStack(d)
                     bias, moved = mj_stackAllocNum(d, nv), mj_stackAllocNum(d, nv)
                     mj_rne(m, d, 0, bias)
+                    outside(m, d, nv, moved)
+                    for k in range(nv):
+                        bias[k] -= moved[k]
                     qacc = reals(d, AT[DATA.qacc])
                     mj_mulM(m, d, moved, qacc)
                     for k in range(nv):  # friction changes the diagonal entries
@@ -157,11 +175,11 @@ def native(m: Address, d: Address) -> None:
                 9 * int(shorts(m, AT[MODEL.jnt_bodyid])[joint]),
             )
             rotor = reals(m, AT[MODEL.dof_armature])[dof]
-            F += effects_torque(
+            raised = effects_torque(
                 P, law, effects, X, x, t, q, v, load, own - rotor, rotor, gx, gy, commanded
             )
             if F == F:
-                F += level_gain(P, law, effects, X, x, v) * v
+                F = X[x + TORQUE] + X[x + GAIN] * v + raised
         passive[dof] -= F
         if put_in(X, x, M, entry, h):
             changed = True

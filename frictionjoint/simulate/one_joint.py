@@ -20,7 +20,7 @@ from frictionjoint.effects.signals import TEMP
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.law.kernel import row_size as law_row_size
 from frictionjoint.parameters import Friction
-from frictionjoint.simulate.joint_effects import effects_torque, level_gain
+from frictionjoint.simulate.joint_effects import effects_torque
 from frictionjoint.simulate.row import FRONT, GAIN, TORQUE, rare_torque, row_size, torque_now
 
 # rows of `Load.numbers`; mean, cosine and sine of each unit torque
@@ -305,10 +305,10 @@ def _part(
         brake = emf if on[k] else 0.0
         weight = 1.0 / inertia if inertia > 0.0 else 0.0
         rare_torque(P, 0, effects, X, 0, k * h, q, v, h, h, inertia, weight)
-        F, damping = X[TORQUE], brake + X[GAIN]
+        F = X[TORQUE]
         if some:
             F += _effects(given, X, k, k * h, q, v, bias, c, s, torque - brake * v)
-            damping += level_gain(P, 0, effects, X, 0, v)
+        damping = brake + X[GAIN]
         v = (inertia * v + h * (torque - F - bias)) / (inertia + h * damping)
         if not abs(v) < 1e6:  # diverged: what follows means nothing
             for later in range(k + 1, end):

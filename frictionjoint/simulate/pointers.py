@@ -80,6 +80,13 @@ def mj_mulM(m: Address, d: Address, result: Vector, given: Vector) -> None:
 
 
 @external
+def mj_applyFT(
+    m: Address, d: Address, force: Vector, torque: Vector, point: Vector, body: int, result: Vector
+) -> None:
+    """Add the joint torques of a force and a torque on a body."""
+
+
+@external
 def mj_factorM(m: Address, d: Address) -> None:
     """Factors of the mass matrix."""
 

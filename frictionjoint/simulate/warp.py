@@ -85,6 +85,7 @@ class WarpFriction:
             # worlds side by side: neighbouring threads then read neighbouring numbers
             self.state = wp.zeros((made.room, nworld), dtype=wp.float64).transpose()
             self._moved = wp.zeros((nworld, m.nv), dtype=float)
+            self._pushed = wp.zeros((nworld, m.nv), dtype=float)
             self._torque = wp.zeros((nworld, n), dtype=float)
             self._of_effects = wp.zeros((nworld, n), dtype=float)
             self._every_world = wp.ones(nworld, dtype=wp.bool)
@@ -110,15 +111,17 @@ class WarpFriction:
         where = [self.parameters, self._blocks, self._rows]
         self._launch(self._take_back, [*where, m.M_rowadr, m.M_rownnz], [self.state, d.M])
         if self._layout.has_loads:
-            # the load of a gear: this step's bias forces, which come after passive ones, and what
-            # the step before has left, accelerations and constraint forces
+            # the load of a gear: this step's bias forces, which come after passive ones, forces on
+            # bodies, and accelerations and constraint forces that the step before has left
             self._mjw.rne(m, d)
+            self._pushed.zero_()
+            self._mjw.xfrc_accumulate(m, d, self._pushed)
             self._mjw.mul_m(m, d, self._moved, d.qacc)
         bit = self._mjw.DisableBit
         drives = not m.opt.disableflags & bit.ACTUATION
         body = [m.dof_invweight0, self._locked, m.M_rowadr, m.M_rownnz, m.dof_armature]
         gravity = [m.jnt_bodyid, m.jnt_axis, m.opt.gravity]
-        motion = [d.time, d.qpos, d.qvel, d.qfrc_bias, self._moved, d.qacc, d.qfrc_constraint]
+        motion = [d.time, d.qpos, d.qvel, d.qfrc_bias, self._pushed, self._moved, d.qacc]
         motors = [
             *(self._motor_first if drives else self._no_motor, self._motors),
             *(not m.opt.disableflags & bit.CLAMPCTRL, d.ctrl),
@@ -132,6 +135,7 @@ class WarpFriction:
             *body,
             *gravity,
             *motion,
+            d.qfrc_constraint,
             d.xaxis,
             d.xmat,
             *motors,

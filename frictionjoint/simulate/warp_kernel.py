@@ -28,7 +28,6 @@ from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, QPOS
 from frictionjoint.simulate.joint_effects import (
     coupled_load,
     effects_torque,
-    level_gain,
     unit_gravity,
 )
 from frictionjoint.simulate.row import (
@@ -62,13 +61,12 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
 
     functions = [torque_now, over_the_step]
     if with_effects:
-        functions += [effects_torque, level_gain, unit_gravity, coupled_load]
+        functions += [effects_torque, unit_gravity, coupled_load]
     room = max(header, N_SIGNALS) if with_effects else header
     made = translate(functions, room, f"frictionjoint_warp_{int(with_effects)}_{room}")
     joint_torque = made["simulate_row_torque_now"]
     implicit_torque = made["simulate_row_over_the_step"]
     effect_torque = made.get("simulate_joint_effects_effects_torque")
-    raised_gain = made.get("simulate_joint_effects_level_gain")
     gravity_arms = made.get("simulate_joint_effects_unit_gravity")
     load_of_others = made.get("simulate_joint_effects_coupled_load")
     double, floats, doubles = wp.float64, wp.array(dtype=float), wp.array2d(dtype=wp.float64)
@@ -177,6 +175,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         qpos: wp.array2d(dtype=float),
         qvel: wp.array2d(dtype=float),
         bias: wp.array2d(dtype=float),
+        pushed: wp.array2d(dtype=float),
         moved: wp.array2d(dtype=float),
         qacc: wp.array2d(dtype=float),
         constraint: wp.array2d(dtype=float),
@@ -231,7 +230,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
                 for i in range(9):
                     R[i] = double(M[i // 3, i % 3])
                 gx, gy = gravity_arms(wp.vec3d(a), wp.vec3d(turned), 0, wp.vec3d(g), R, 0)
-                b = double(bias[world, dof])
+                b = double(bias[world, dof]) - double(pushed[world, dof])
                 if loads[k] >= 0:
                     others = double(moved[world, dof]) - J * double(qacc[world, dof])
                     others = others - double(constraint[world, dof])
@@ -258,7 +257,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
                     P, law, effects, X, x + FRONT, t, q, v, b, J - rotor, rotor, gx, gy, wanted
                 )
                 if F == F:
-                    F = F + raised_gain(P, law, effects, X, x + FRONT, v) * v
+                    F = X[x + FRONT + TORQUE] + X[x + FRONT + GAIN] * v
         if F == F:
             entry = rowadr[dof] + rownnz[dof] - 1
             mass[world, entry] = float(J + h * X[x + FRONT + GAIN])

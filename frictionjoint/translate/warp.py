@@ -198,6 +198,8 @@ class _Function(Kernel):
             return node
         if isinstance(node, ast.Name | ast.Attribute):
             return self._constant(node)
+        if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Call):
+            self.unknown(node)  # of several results warp makes a list
         if isinstance(node, ast.Subscript) and not isinstance(node.slice, ast.Slice | ast.Tuple):
             return ast.Subscript(self._visit(node.value), self._visit(node.slice), node.ctx)
         if isinstance(node, ast.UnaryOp):
