@@ -18,7 +18,7 @@ from scipy.optimize import lsq_linear
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.eigenvalues import eigh
-from frictionjoint.identify.basis import DEPENDENT, lengths, pseudo_inverse, without
+from frictionjoint.identify.basis import DEPENDENT, lengths, pseudo_inverse, take_out, without
 from frictionjoint.identify.blocks import Blocks, Folds, whitened
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.timing import Timing
@@ -204,20 +204,24 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
         np.arange(x.shape[1]) >= c.columns.shape[1]
         for x, c in zip(sets[len(own) :], candidates, strict=True)
     ]
-    # columns in memory one after the other
-    X = np.vstack([np.zeros((0, len(target))), *(x.T for x in sets)]).T * w
-    size = lengths(X)
-    X /= size
+    # columns in memory one after the other, the target last
+    rows = np.empty((edges[-1] + 1, len(target)))
+    np.concatenate([rows[:0], *(x.T for x in sets)], out=rows[:-1])
+    rows[:-1] *= fitted.weight
+    size = lengths(rows[:-1].T)
+    rows[:-1] /= size[:, None]
     low, high = _ranges(fitted, own, candidates) * size
-    columns = without(np.vstack([X.T, target * fitted.weight]).T, law)
+    rows[-1] = target * fitted.weight
+    columns = without(rows.T, law)
     tested = white = columns[:, :0]
     if candidates:
-        n_own = int(edges[len(own)])
-        known = np.vstack([law.T, X.T[:n_own]]).T
-        U = np.vstack([X.T, fitted.residual * fitted.weight]).T
-        tested = without(U, known)
-        V = whitened(np.vstack([known.T, U.T]).T, U[:, -1], fitted.log_index, blocks.noise)
-        white = without(V[:, known.shape[1] :], V[:, : known.shape[1]])
+        known = np.vstack([law.T, rows[: edges[len(own)]]]).T
+        rows[-1] = fitted.residual * fitted.weight
+        noise = fitted.log_index, blocks.noise
+        white = whitened(rows.T, rows[-1], *noise)
+        take_out(white.T, whitened(known, rows[-1], *noise))
+        take_out(rows, known)
+        tested = rows.T
     places = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
     return Screen(
         blocks=blocks,

@@ -34,11 +34,19 @@ def pseudo_inverse(A: Array, rcond: float = DEPENDENT) -> Array:
 def without(X: Array, known: Array) -> Array:
     """Columns, shape (n,) or (n, k), with others of similar norms, possibly none, shape (n, m),
     projected out on all samples."""
-    basis = orthonormal(known)
     # columns in memory one after the other, as `Blocks.gram` reads them
     rows = np.array(X.T, order="C")
-    rows -= (rows @ basis) @ basis.T
+    take_out(rows, known)
     return np.asarray(rows.T)
+
+
+def take_out(rows: Array, known: Array) -> None:
+    """`without` for rows, shape (n,) or (k, n), in place."""
+    basis = orthonormal(known)
+    shares = rows @ basis
+    # in parts, as all of them at once may be hundreds of megabytes
+    for first in range(0, len(basis), 8192):
+        rows[..., first : first + 8192] -= shares @ basis[first : first + 8192].T
 
 
 def lengths(X: Array) -> Array:

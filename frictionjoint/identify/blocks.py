@@ -145,8 +145,6 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
         U: shape (n, k). residual: shape (n,). Both contain the logs in order.
         noise: variance of white noise with the spectral density of the torque instrument.
     """
-    from scipy.signal import lfilter
-
     lags = np.zeros(6 + 1)
     parts = [residual[log_index == i] for i in np.unique(log_index)]
     for e in parts:
@@ -159,7 +157,8 @@ def whitened(U: Array, residual: Array, log_index: Index, noise: float) -> Array
     rows = np.empty(U.shape[::-1])
     for own in np.split(np.arange(len(U)), np.flatnonzero(np.diff(log_index)) + 1):
         log = slice(own[0], own[-1] + 1)
-        rows[:, log] = lfilter(predictor, [1.0], U[log].T)
+        for row, x in zip(rows, U.T, strict=True):
+            row[log] = np.convolve(predictor, x[log])[: len(own)]
     return rows.T
 
 
