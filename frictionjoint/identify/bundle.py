@@ -70,8 +70,8 @@ class Bundle:
         self.places = places([len(log.drive) for log in logs])
         self._filters = LowPasses([log.filter for log in logs])
         self._kept = np.concatenate([log.kept for log in logs])
-        # bytes; most results serve the next point of a search, or the next search
-        self.store = Cache(12_000_000)
+        # most results serve the next point of a search, or the next search
+        self.store = Cache(max(12_000_000, 30 * self.velocity.nbytes))
 
     @cached_property
     def tracks(self) -> Tracks:

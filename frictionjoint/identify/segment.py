@@ -301,7 +301,7 @@ class Prepared:
     @cached_property
     def columns(self) -> Cache:
         """Cache of arrays that change neither with a law nor with weights or initial states."""
-        return Cache(12_000_000)
+        return Cache(max(12_000_000, 300 * self.log_index.nbytes))
 
     def begun(self, segments: Sequence[Segment]) -> "Prepared":
         """The logs with other initial states."""
@@ -316,7 +316,7 @@ class Prepared:
         """
         logs = zip(self.segments, weights, strict=True)
         found = self.begun([replace(s, weight=w) for s, w in logs])
-        vars(found)["_bundles"] = self._bundles
+        vars(found).update(_bundles=self._bundles, _thinned=self._thinned)
         return found
 
     def thinned(self, most: int) -> "Prepared":
@@ -326,7 +326,10 @@ class Prepared:
             factor = max(1.0, len(self.log_index) / most)
             segments = tuple(_thinned(s, factor) for s in self.segments)
             self._thinned[most] = replace(self, segments=segments)
-        return self._thinned[most]
+        found = self._thinned[most]
+        pairs = zip(self.segments, found.segments, strict=True)
+        weights = [s.weight[:: round(t.dt / s.dt)] for s, t in pairs if s.weight is not None]
+        return found.weighed(weights) if weights else found
 
     def without_limits(self) -> "Prepared":
         """The logs without samples at the end of the drive's range, because its sensor
