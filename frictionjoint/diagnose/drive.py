@@ -135,32 +135,25 @@ def _best_of_each_form(
 
     def begun(term: EffectTerm) -> Place:
         search = Search(coarse, timed(coarse, (*others, term), start.shape), start.shape)
-        x = search.start
-        return Place(0.5 * float(np.sum(search.residual(x) ** 2)), search, x)
+        return Place(0.5 * search.squares(search.start), search, search.start)
 
     def attempt(place: Place) -> Fit:
-        search = place.search
-        return search.result(search.run(place.x, _STEPS, ROUGH).x)
+        return place.search.result(place.search.run(place.x, _STEPS, ROUGH).x)
 
     with side_by_side() as each:
-        places = in_order(
-            list(zip(terms, each(begun, terms), strict=True)), lambda pair: pair[1].cost
-        )
+        places = list(zip(terms, each(begun, terms), strict=True))
         # the best start of each form
         starts: dict[Effect, Place] = {}
-        for term, place in places:
+        for term, place in in_order(places, lambda pair: pair[1].cost):
             starts.setdefault(term.effect, place)
         fits = list(each(attempt, list(starts.values())))
-    best: dict[Effect, Ranked] = {}
+    best: list[Ranked] = []
     for found in fits:
         term = found.effects[-1]
         assert isinstance(term, EffectTerm)
-        if found.acting < LEAST_ACTING:  # a drive of nothing explains nothing
-            continue
-        gain = 1.0 - (found.drive_rms / start.drive_rms) ** 2
-        if gain > best.get(term.effect, (-np.inf, term))[0]:
-            best[term.effect] = gain, term
-    return in_order(list(best.values()), lambda pair: 1.0 - pair[0])
+        if found.acting >= LEAST_ACTING:  # a drive of nothing explains nothing
+            best.append((1.0 - (found.drive_rms / start.drive_rms) ** 2, term))
+    return in_order(best, lambda pair: 1.0 - pair[0])
 
 
 def sign_flips(difference: Array, rng: np.random.Generator) -> float:

@@ -81,12 +81,8 @@ class OtherLaws:
         self._progress("fit: other laws")
         self._followed = None
 
-        def ripest(forms: tuple[Shape, ...]) -> Shape:
-            place = ripened(prepared, effects, forms)[0]
-            return place.search.split(place.x)[0]
-
         with side_by_side() as each:
-            for shape in each(ripest, self._rivals):
+            for shape in each(lambda f: ripened(prepared, effects, f)[0].law, self._rivals):
                 self.shapes[shape.variables] = shape
 
     def starts(self, shape: Shape) -> tuple[Shape, ...]:

@@ -108,7 +108,10 @@ def _search(state: State, rng: np.random.Generator, progress: Callable[[str], No
         if bent and not (taken and _early(state)):
             laws.fit_from_all_starts(state.prepared, state.fit.effects)
             bent = False
-        changed = _follow(state) or taken or _exchanged(state, rng)
+        changed: list[str] | bool = _follow(state) or taken
+        if not changed and exchange_drive(state, rng):
+            drop_redundant(state)
+            changed = True
         if not changed:
             # what another law would explain in part may be an effect after all
             state.law_errs = False
@@ -121,14 +124,6 @@ def _search(state: State, rng: np.random.Generator, progress: Callable[[str], No
 
 def _names(state: State) -> tuple[str, ...]:
     return tuple(sorted(t.name for t in state.fit.effects))
-
-
-def _exchanged(state: State, rng: np.random.Generator) -> bool:
-    """Exchange effects of the drive, and drop redundant ones; return whether any was exchanged."""
-    if exchange_drive(state, rng):
-        drop_redundant(state)
-        return True
-    return False
 
 
 def _step(state: State, rng: np.random.Generator) -> list[str]:

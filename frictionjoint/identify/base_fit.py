@@ -33,8 +33,7 @@ def base_fit(
         prepared, found = law_alone(replace(prepared, slow=True), forms, progress)
     if forms is not INTEGRATED:
         return prepared, found
-    place = ripened(prepared, (), CONSTRAINT)[0]
-    other = refit(prepared, (), place.search.split(place.x)[0], ROUGH)
+    other = refit(prepared, (), ripened(prepared, (), CONSTRAINT)[0].law, ROUGH)
     return better_form(prepared, found, [other])
 
 
@@ -49,8 +48,7 @@ def slowed(prepared: Prepared, found: Fit, forms: Sequence[Shape]) -> tuple[Prep
     if shape.vector()[at] < most - 0.01:
         return None
     slow = replace(prepared, slow=True)
-    place = ripened(slow, found.effects, forms)[0]
-    law, _ = place.search.split(place.x)
+    law = ripened(slow, found.effects, forms)[0].law
     # under the weights of a law that falls too early, much of what it leaves counts little
     slow, wide = reweighed(*reweighed(slow, refit(slow, found.effects, law)))
     bound = refit(replace(slow, slow=False), found.effects, shape)

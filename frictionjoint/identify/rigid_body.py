@@ -172,12 +172,11 @@ class RigidBody:
         # views, looked up once
         centres, frame = data.xipos[moved], data.xmat[body]
         axis, anchor = data.xaxis[self.joint_id], data.xanchor[self.joint_id]
+        own_q, own_v, own_a, found = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
         for k in range(n):
-            data.qpos[qpos] = q[k]
-            data.qvel[dofs] = v[k]
-            data.qacc[dofs] = a[k]
+            own_q[qpos], own_v[dofs], own_a[dofs] = q[k], v[k], a[k]
             mujoco.mj_inverse(model, data)
-            load[k] = data.qfrc_inverse[dof]
+            load[k] = found[dof]
             turns[k], frames[k], anchors[k] = axis, frame, anchor
             np.dot(weighs, centres, out=moments[k])
             mujoco.mj_mulM(model, data, column, unit)

@@ -103,6 +103,11 @@ class Place(NamedTuple):
     search: "Search"
     x: Array
 
+    @property
+    def law(self) -> Shape:
+        """The law at this point."""
+        return self.search.split(self.x)[0]
+
 
 class Search:
     """The search over shapes, from a law and terms; the rest is solved for at each point."""
