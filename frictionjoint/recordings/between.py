@@ -10,8 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import digamma, polygamma
-from scipy.stats import f, t
+from scipy.special import digamma, fdtrc, polygamma, stdtr, stdtrit
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import SIGNIFICANCE
@@ -45,9 +44,9 @@ class Between:
         self.deviation = deviation
         self.mean = float(w @ value / w.sum())
         spread = float(w @ (value - self.mean) ** 2 / ((k - 1) * w.sum()))
-        half = float(t.ppf(0.975, k - 1) * np.sqrt(spread))
+        half = float(stdtrit(k - 1, 0.975) * np.sqrt(spread))
         self.interval = self.mean - half, self.mean + half
-        self.p_value = float(f.sf(Q / (k - 1), k - 1, dof))
+        self.p_value = float(fdtrc(k - 1, dof, Q / (k - 1)))
         errors = 1.0 / float(np.sum(stderr**-2.0))
         added = 1.0 / float(w.sum()) - errors
         self.stderr = float(np.sqrt(errors + added))
@@ -108,7 +107,7 @@ def _cause(
         coefficients, residual, inverse = _regression(value, w, X)
         slope = float(coefficients[1])
         scale = max(1.0, float(w @ residual**2) / (k - 2))
-        p_value = 2.0 * float(t.sf(abs(slope) / np.sqrt(inverse[1, 1] * scale), k - 2))
+        p_value = 2.0 * float(stdtr(k - 2, -abs(slope) / np.sqrt(inverse[1, 1] * scale)))
         share = left**2 / deviation**2 if deviation > 0.0 else 1.0
         if p_value < 0.01 / len(causes) and share < best:
             best, found = share, (name, slope)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from scipy.stats import t
+from scipy.special import stdtrit
 
 from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.errors import ParameterError
@@ -85,7 +85,7 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
         if blind:
             drifts.append(Drift(name, before, None, None, "not resolvable"))
             continue
-        limit = float(t.isf(SIGNIFICANCE / (2.0 * tested), dof))
+        limit = -float(stdtrit(dof, SIGNIFICANCE / (2.0 * tested)))
         # no law is exact: motion of another kind moves a parameter by the error of the law
         least = max(limit * sd, STICKING_ERROR * abs(before))
         state: State = "changed" if abs(now - before) > least else "confirmed"

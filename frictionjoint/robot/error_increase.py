@@ -6,7 +6,7 @@ difference is far narrower than that of either error.
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.identify.blocks import CORRELATION_TIMES, correlation_time
@@ -49,5 +49,5 @@ def _interval(sums: Array, counts: Array, both: float) -> Interval:
     spread = sums - mean * counts
     error = float(np.sqrt(blocks / (blocks - 1) * (spread @ spread))) / n
     # two-sided 95%
-    half = float(student.ppf(0.975, blocks - 1)) * error
+    half = float(stdtrit(blocks - 1, 0.975)) * error
     return (mean - half) / both, (mean + half) / both
