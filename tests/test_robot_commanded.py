@@ -86,6 +86,9 @@ def test_the_rotor_that_the_model_lacks_is_named(report):
     (cause,) = report.shared
     assert (cause.cause, cause.place) == ("rotor-inertia", {"joint": "knee"})
     assert cause.parameters["armature"].value == pytest.approx(ROTOR, rel=0.02)
+    # it does not act on the hip, whose error therefore is one, not two of different fits
+    hip = report.joints["hip"]
+    assert (hip.before_torque, hip.other_before) == (hip.after_torque, False)
 
 
 def test_no_torque_is_replayed_where_none_was_measured(report):

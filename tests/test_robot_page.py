@@ -1,5 +1,6 @@
 """The page of a whole robot: causes and effects by their names for people, no cell empty."""
 
+import html
 import re
 from dataclasses import replace
 
@@ -92,6 +93,16 @@ def test_the_page_of_a_joint_has_the_errors_of_the_robots_page(robot):
         own = render(robot.joints[row.joint], joint_content(content(robot), row.joint))
         for percent in row.torque.split(" → "):
             assert f"({percent})" in own
+        shared = "Payload of gripper, see the robot's page; beyond this, " in html.unescape(own)
+        assert shared == (row.joint == "elbow")
+
+
+def test_a_shared_cause_explains_a_joint_only_down_to_the_noise(robot):
+    elbow = robot.joints["elbow"]
+    alone = replace(robot, failed={}, joints={"elbow": elbow})
+    assert alone.verdict == "explained"
+    noisy = replace(elbow, after_torque=Rms(1.6 * elbow.noise_floor, None))
+    assert replace(alone, joints={"elbow": noisy}).verdict == "partly-explained"
 
 
 def test_a_larger_error_within_its_interval_or_unseen_is_not_called_worse(page, robot):
@@ -108,6 +119,9 @@ def test_no_cell_is_empty(page):
 def test_the_summary_says_what_fell_and_what_did_not(robot):
     assert "torque 12% → 3.1% (mean of the joints)" in robot.summary().lower()
     assert "0.011 → 0.0031 rad, all joints together" in robot.summary()
+    gripper = replace(robot.joints["thumb"], units=("N", "m"))
+    mixed = replace(robot, joints=robot.joints | {"gripper": gripper})
+    assert "0.011 → 0.0031 rad and m, all joints together" in mixed.summary()
     further = replace(robot, after=RobotErrors(Rms(2.0, 12.5), Rms(None, None)))
     assert "12% → 12% (mean of the joints), which is worse" in further.summary()
     (cause,) = robot.shared

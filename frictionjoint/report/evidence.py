@@ -16,6 +16,13 @@ from frictionjoint.report.numbers import effect_estimates, size_is_determined, s
 from frictionjoint.report.wording import listed, three
 
 
+def cause_title(found: Content) -> str:
+    """Common name of a cause that joints share, with its place."""
+    keys = ("cause", "parameters", "evidence", "joints")
+    where = listed([str(x) for key, x in found.items() if key not in keys])
+    return title(found["cause"]) + (f" of {where}" if where else "")
+
+
 class EffectRow:
     """An added effect, with its evidence in a report.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from frictionjoint.arrays import root_mean_square
 from frictionjoint.control.controller import Controller
-from frictionjoint.decisions import CLEARLY
+from frictionjoint.decisions import AT_THE_FLOOR, CLEARLY, LEAST_NOISE
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import toml_document
 from frictionjoint.identify.result import Estimate
@@ -171,6 +171,13 @@ class Report:
             if low > 0.0 and after**2 > (1.0 + CLEARLY) * before**2:
                 found.append(name)
         return tuple(found)
+
+    @property
+    def above_noise(self) -> bool:
+        """Whether the error on fitted logs is more than the instruments' noise explains."""
+        noise, left = self.noise_floor or 0.0, self.after_torque.fit or 0.0
+        # an estimate below what instruments resolve shows nothing
+        return noise >= LEAST_NOISE * self.measured_rms and left > AT_THE_FLOOR * noise
 
     @property
     def changed(self) -> bool:

@@ -62,6 +62,9 @@ def joint_content(content: Mapping[str, Any], name: str) -> dict[str, Any]:
     if "joints" not in content:
         return dict(content)
     own = {key: content[key] for key in _ROBOT if key in content}
+    # an effect that joints have in common is one of their own too
+    shared = (x for x in content.get("shared", ()) if "common_to" not in x)
+    own["shared"] = [x for x in shared if name in x["joints"]]
     return {**own, "joint": name, **content["joints"][name]}
 
 

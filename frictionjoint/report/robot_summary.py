@@ -8,7 +8,8 @@ from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report.content import Content
-from frictionjoint.report.error_figures import STAGES, Stage
+from frictionjoint.report.error_figures import STAGES, Stage, units_of
+from frictionjoint.report.evidence import cause_title
 from frictionjoint.report.joints import joint_content
 from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
@@ -24,8 +25,6 @@ class SharedRow:
     """A shared cause: place, numbers, and the torque error of each joint it acts on."""
 
     def __init__(self, content: Content, joints: Mapping[str, Summary], found: Content) -> None:
-        keys = ("cause", "parameters", "evidence", "joints")
-        where = listed([str(x) for key, x in found.items() if key not in keys])
         rows = []
         for name, errors in found["joints"].items():
             if name in joints:
@@ -36,7 +35,7 @@ class SharedRow:
                 )
                 rows.append((name, before, after))
         evidence = found["evidence"]
-        self.title = title(found["cause"]) + (f" of {where}" if where else "")
+        self.title = cause_title(found)
         self.size = tuple(
             f"{quantity_of(found['cause'], name)} {with_unit(x)}"
             for name, x in estimates(found["parameters"]).items()
@@ -173,11 +172,12 @@ def _errors(content: Content, role: str, changed: bool) -> str:
     before, after = (content[stage]["replay_rms"] for stage in ("before", "after"))
     if before[role] is not None and after[role] is not None:
         figures = [three(x[role]) for x in ((before, after) if changed else (after,))]
-        text = f"position {' → '.join(figures)} rad, all joints together"
+        unit = listed(sorted({units_of(x)[1] for x in content["joints"].values()}, reverse=True))
+        text = f"position {' → '.join(figures)} {unit}, all joints together"
         fitted = before["fit"], after["fit"]
         # a rise by a tenth is more than that of another run
         if changed and role == "held_out" and None not in fitted and fitted[1] > 1.1 * fitted[0]:
-            text += f" (worse on fitted logs: {three(fitted[0])} → {three(fitted[1])} rad)"
+            text += f" (worse on fitted logs: {three(fitted[0])} → {three(fitted[1])} {unit})"
         parts.append(text)
     where = "held-out" if role == "held_out" else "fitted"
     worse = ", which is worse" if changed and None not in (first, last) and last > first else ""

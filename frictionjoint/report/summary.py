@@ -23,6 +23,7 @@ from frictionjoint.report.error_figures import (
 from frictionjoint.report.evidence import (
     Candidate,
     EffectRow,
+    cause_title,
     smallest_of,
     step_of,
     threshold_of,
@@ -39,6 +40,7 @@ class Summary:
         units: of drive and position. drive: its name. role: of the logs in the headline.
         noise: a sentence; `noise_level` its value if plausible. errors: most important first.
         at_rest: fraction of the samples. position_first: whether it comes first, as for servos.
+        shared: causes that act on other joints of the robot too.
         changed: whether the result differs from the base fit. friction: the main friction numbers.
         parameters: those in model.xml. steps: candidates of each step of the search.
         threshold: when an effect is normally added, in a sentence.
@@ -61,7 +63,7 @@ class Summary:
         self.noise, self.noise_level = noise_of(content, self.units[0])
         self.smallest = smallest_of(content, self.units[0])
         self.effects = tuple(EffectRow(content, added) for added in content["added"])
-        # a joint of a robot may change by a cause that it shares
+        self.shared = tuple(map(cause_title, content.get("shared", ())))
         other_law = self.laws[0] != self.laws[1]
         self.changed = bool(self.effects) or other_law or models_differ(content)
         self.errors = errors_of(content, self.units)
@@ -91,7 +93,7 @@ class Summary:
     def verdict_lines(self) -> tuple[tuple[str, str], ...]:
         """Label and sentence of each line: missing, errors, rivals, what to record next."""
         lines = (
-            ("Missing", _missing(self)),
+            ("Missing", _missing_of_robot(self) + _missing(self)),
             ("Error before and after" if self.changed else "Error", _error_line(self)),
             ("Could also be", _rivals_line(self)),
             ("Record next", self.record_next[0] if self.record_next else "nothing in particular."),
@@ -119,6 +121,11 @@ def _logs(content: Content) -> tuple[Content, ...]:
     errors = {(e["name"], e["role"]): e for e in content.get("log_errors", ())}
     unknown = dict.fromkeys(STAGES)
     return tuple(unknown | x | errors.get((x["name"], x["role"]), {}) for x in content["logs"])
+
+
+def _missing_of_robot(s: Summary) -> str:
+    """Causes that the joint shares with others; empty if there are none."""
+    return f"{listed(s.shared)}, see the robot's page; beyond this, " if s.shared else ""
 
 
 def _missing(s: Summary) -> str:

@@ -112,7 +112,7 @@ class Explained:
         self.without: dict[int, Rms] = {}
         before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
         self.with_all = report.before_torque
-        if joint.model != task.user:
+        if joint.without:
             alongs = _alongs(joint, after)
             shapes = joint.shape, trace.base.shape
             before = _law_alone(joint.original, after, alongs, shapes)
