@@ -14,12 +14,15 @@ import frictionjoint as fj
 from frictionjoint.diagnose import close_loop as loop
 from frictionjoint.diagnose.notes import DIVERGES
 from frictionjoint.diagnose.verdict import verdict
+from frictionjoint.effects import temperature_dependent
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.measured.log import JointLog
 from frictionjoint.model_files import read_spec
-from frictionjoint.replay.free_runs import Replay, replay, replay_joints
+from frictionjoint.replay.free_runs import Replay, replay, replay_joints, simulated_whole
 from frictionjoint.report.joint_report import Rms
 from frictionjoint.robot.joint import first_fit
 
@@ -30,16 +33,27 @@ JOINT = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="j" ax
 <inertial mass="1" pos="0 0 0" diaginertia="1 0.05 1"/></body></worldbody></mujoco>"""
 
 
-def log() -> JointLog:
-    """Friction in closed form."""
+def log(celsius: float | np.ndarray = 40.0) -> JointLog:
+    """Friction in closed form, whose level falls with temperature."""
     t = DT * np.arange(N)
     w, size = 2 * np.pi * np.array([[0.3], [0.7], [1.3]]), np.array([[0.5], [0.2], [0.1]])
     q = np.sum(size * np.sin(w * t), axis=0)
     v = np.sum(size * w * np.cos(w * t), axis=0)
     a = -np.sum(size * w**2 * np.sin(w * t), axis=0)
     noise = 0.02 * np.random.default_rng(1).standard_normal(N)
-    torque = 0.05 * a + 0.5 * np.tanh(v / 0.01) + 0.1 * v + noise
-    return JointLog(name="log", joint="j", time=t, position=q, torque=torque)
+    level = 0.5 * np.exp((40.0 - celsius) / 30.0)
+    torque = 0.05 * a + level * np.tanh(v / 0.01) + 0.1 * v + noise
+    known = None if np.isscalar(celsius) else celsius
+    return JointLog(name="log", joint="j", time=t, position=q, torque=torque, temperature=known)
+
+
+def test_a_run_has_the_temperature_of_its_log() -> None:
+    body = RigidBody(JOINT, "j")
+    prepared = prepare([log(np.linspace(20.0, 60.0, N))], body)
+    alone, falling = fit(prepared), EffectTerm(temperature_dependent.EFFECT, (40.0, 30.0))
+    whole = refit(prepared, (falling,), alone.shape)
+    assert simulated_whole(whole, body.armature)
+    assert replay(prepared, body, whole).rms < 0.2 * replay(prepared, body, alone).rms
 
 
 def test_runs_that_leave_the_travel_diverge() -> None:

@@ -9,7 +9,7 @@ import math
 import re
 
 import pytest
-from reports import COGGING, LAW, empty, estimate, good, robot
+from reports import COGGING, LAW, empty, good, robot
 
 from frictionjoint.diagnose.outcome import _alike_hint
 from frictionjoint.effects.catalogue import title
@@ -43,7 +43,7 @@ REPORTS = {
         added__0__evidence=WEAK | {"held_out_gain": 0.207, "p_value": 0.94}
     ),
     "not even its sign is known": good(
-        added__0__parameters={"sin": estimate(0.1, 0.2), "cos": estimate(0.1, 0.2)}
+        added__0__evidence=COGGING["evidence"] | {"size_is_open": True}
     ),
     "runner-up ahead": good(
         added__0__evidence=WEAK | {"margin": -0.02},

@@ -35,8 +35,10 @@ def leaves_open(prepared: Prepared, fitted: Fit, i: int) -> bool:
 def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     """Distance of the i-th effect from zero size, in standard errors.
 
-    The size is that of its best determined coefficient. For an effect without coefficients it is
-    that of its shape numbers, each of which has a value that changes nothing, see `Effect.none`.
+    The size is that of its best determined coefficient; of a slow change, at the rate that was
+    found, because it is certain long before its end and its rate are known. For an effect without
+    coefficients it is that of its shape numbers, each of which has a value that changes nothing,
+    see `Effect.none`.
 
     Args:
         cov: of all parameters of the fit, in the order of its Jacobian.
@@ -45,6 +47,7 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     at = layout.coefficients(i)
     if at.stop > at.start and not term.effect.of_load:
         x = np.asarray(fitted.beta[at])
+        cov = _given(cov, layout.numbers(i)) if term.effect.slow else cov
     else:
         x, at = np.array(term.free_shape), layout.numbers(i)
         if term.effect.none:
@@ -54,6 +57,13 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     with np.errstate(divide="ignore", invalid="ignore"):
         sure = np.abs(x) / _errors(cov, at)
     return float(np.max(np.where(np.isnan(sure), np.inf, sure)))
+
+
+def _given(cov: Array, at: slice) -> Array:
+    """Covariance of all parameters if some of them are known."""
+    k = np.arange(len(cov))[at]
+    k = k[np.isfinite(cov[k, k]) & (cov[k, k] > 0.0)]
+    return cov - cov[:, k] @ np.linalg.solve(cov[np.ix_(k, k)], cov[k]) if k.size else cov
 
 
 def _errors(cov: Array, at: slice) -> Array:

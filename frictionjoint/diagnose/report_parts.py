@@ -7,6 +7,8 @@ from typing import get_args
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.decisions import SURELY
+from frictionjoint.diagnose.determined import standard_errors
 from frictionjoint.diagnose.encoder_zero import offset_instead
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.moves import Look
@@ -102,6 +104,7 @@ def added(
             evidence = Evidence(
                 *(step.gain, step.row.p_value, step.row.frequency),
                 *(step.runner_up, step.margin, ties),
+                standard_errors(found.final, cov, i) < SURELY,
             )
             entries[name] = Added(name, step.term.effect.cause, parameters, evidence, rms)
     return tuple(entries.values())

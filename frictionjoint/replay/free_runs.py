@@ -177,16 +177,16 @@ def simulated_whole(fitted: Fit, armature: float, in_closed_loop: bool = False) 
 
     Args:
         armature: of the MJCF.
-        in_closed_loop: whether `one_joint` runs the simulation, which knows the temperature of the
-            log and has no link behind the joint.
+        in_closed_loop: whether `one_joint` runs the simulation, whose motor weakens as it warms and
+            which has no link behind the joint.
     """
     for i, term in enumerate(fitted.terms):
         if not isinstance(term, EffectTerm):
             continue
         less = term.effect.is_inertia and fitted.term_coefficients(i)[0] < -armature
-        warmer = TEMP in term.effect.needs and not in_closed_loop
+        weaker = term.effect.on_motor and TEMP in term.effect.needs and not in_closed_loop
         behind = term.effect.acts == "mechanism" and (term.effect.leaps or in_closed_loop)
-        if less or warmer or behind:
+        if less or weaker or behind:
             return False
     return True
 

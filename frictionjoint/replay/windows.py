@@ -2,7 +2,7 @@
 
 At every restart the joints are set to their measured states, with the friction memory that the laws
 have after the measured motion so far. Other joints follow their measured motion, or stay. Where a
-log says that a motor is off, no motor acts.
+log says that a motor is off, no motor acts. Temperatures are those of the log at the restart.
 """
 
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array, Index
-from frictionjoint.effects.signals import TIME, A, Q, V
+from frictionjoint.effects.signals import TEMP, TIME, A, Q, V
 from frictionjoint.identify.segment import Segment
 from frictionjoint.mujoco_warnings import became_unstable
 from frictionjoint.replay.prescribed_motion import Free, Prescribed
@@ -19,6 +19,7 @@ from frictionjoint.simulate.block import ROW
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor
+from frictionjoint.simulate.thermal import temperature_setters
 
 # s, length of a run; errors of different runs are independent
 RUN_S = 0.5
@@ -55,6 +56,9 @@ class Windows:
         self._motors = [(k, m) for k, n in enumerate(segments) if (m := motors[n])]
         self._joints = [model.joint(name).id for name in segments]
         self._links = [j for name in segments if (j := deflection(model, name)) >= 0]
+        self._temperature = {
+            n: np.interp(time, s.signals[:, TIME], s.signals[:, TEMP]) for n, s in segments.items()
+        }
         grid, others = first.signals[:, TIME], first.others
         kinds = ("position", "velocity", "acceleration")
         self._others = {
@@ -124,10 +128,13 @@ class Windows:
             qpos[at], qvel[dofs] = q, v
             if k == 0:
                 mujoco.mj_forward(model, data)
+                setters = temperature_setters(model, data)
             else:
                 mujoco.mj_fwdPosition(model, data)
                 mujoco.mj_fwdVelocity(model, data)
             if k % self._length == 0:
+                for name, put in setters.items():
+                    put(self._temperature[name][k])
                 found.append((data.userdata[ours].copy(), qpos[behind], qvel[rates]))
             if free:
                 data.qacc[dofs] = a

@@ -32,7 +32,7 @@ class LogEntry:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Why an effect was added; see ``diagnose.trace``."""
+    """Why an effect was added, see ``diagnose.trace``; whether the logs leave its size open."""
 
     held_out_gain: float
     p_value: float
@@ -40,9 +40,11 @@ class Evidence:
     runner_up: str | None
     margin: float
     ties: tuple[str, ...] = ()
+    size_is_open: bool = False
 
     def to_dict(self) -> dict[str, Any]:
-        return {name: x for name, x in asdict(self).items() if name != "ties" or x}
+        optional = ("ties", "size_is_open")
+        return {name: x for name, x in asdict(self).items() if x or name not in optional}
 
 
 @dataclass(frozen=True)

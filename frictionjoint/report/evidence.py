@@ -5,14 +5,12 @@ A candidate that explains as much as the chosen one could also be the cause.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from frictionjoint.decisions import TIE
 from frictionjoint.effects.catalogue import title
-from frictionjoint.identify.result import Estimate
 from frictionjoint.report.content import Content
-from frictionjoint.report.numbers import effect_estimates, size_is_determined, size_of
+from frictionjoint.report.numbers import effect_estimates, size_of
 from frictionjoint.report.wording import listed, three
 
 
@@ -56,7 +54,7 @@ class EffectRow:
         self.next_best: tuple[str, float] | None = None
         if runner is not None and runner not in rivals:
             self.next_best = title(runner), max(0.0, gain - evidence["margin"])
-        self.doubt = _doubt(content, name, gain, p, parameters)
+        self.doubt = _doubt(content, evidence)
 
 
 @dataclass(frozen=True)
@@ -69,10 +67,9 @@ class Candidate:
     outcome: str
 
 
-def _doubt(
-    content: Content, name: str, gain: float, p: float, parameters: Mapping[str, Estimate]
-) -> str:
+def _doubt(content: Content, evidence: Content) -> str:
     """Why the logs do not support an effect by itself."""
+    gain, p = evidence["held_out_gain"], evidence["p_value"]
     significant = content.get("thresholds", {}).get("p_value", 0.05)
     if p > significant:
         return f"p = {three(p)}"
@@ -82,7 +79,7 @@ def _doubt(
         return (
             f"it reduces the squared error on motion that it was not fitted to by {gain:.1%} only"
         )
-    if not size_is_determined(name, parameters):
+    if evidence.get("size_is_open"):
         return "its size does not differ from zero by two standard errors"
     return ""
 

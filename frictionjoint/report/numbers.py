@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS, title
+from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate, is_without_level
 from frictionjoint.parameter_meanings import by_direction, meaning
@@ -17,8 +17,6 @@ from frictionjoint.report.content import Content
 
 Status = Literal["determined", "not determined", "assumed", "fixed"]
 
-# what a factor is where there is no effect; of any other number it is 0
-_NULL = {"factor": 1.0}
 _CARD = ("Fc", "Fs", "sigma2", "stiffness", "Vs", "gain")
 
 
@@ -147,22 +145,6 @@ def _wave(sine: Estimate, cosine: Estimate, count: Estimate, slide: bool) -> str
         spread = None if count.stderr is None else period * count.stderr / count.value
         often = f"every {with_unit(Estimate(period, spread, 'm'))}"
     return f"amplitude {size}, {often}, phase {wording.three(phase)}°"
-
-
-def size_is_determined(effect: str, parameters: Mapping[str, Estimate]) -> bool:
-    """Whether a size of an effect differs from no effect by more than two standard errors."""
-    names = {
-        name
-        for e in (*CATALOGUE, *DRIVE_EFFECTS)
-        if e.name == effect
-        for name in (e.coefficients or e.shape)
-    }
-    sizes = {n: x for n, x in parameters.items() if n in names and x.stderr is not None}
-    if not sizes:
-        return True
-    return any(
-        abs(x.value - _NULL.get(name, 0.0)) > 2.0 * (x.stderr or 0.0) for name, x in sizes.items()
-    )
 
 
 def carried(content: Content) -> tuple[Number, ...]:
