@@ -9,6 +9,7 @@ from frictionjoint.diagnose.determined import standard_errors, undetermined
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.command_delay import EFFECT as COMMAND_DELAY
 from frictionjoint.effects.gain_error import EFFECT as GAIN_ERROR
+from frictionjoint.effects.temperature_dependent import EFFECT as FALLING
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
@@ -54,3 +55,13 @@ def test_what_has_no_coefficient_is_as_far_as_its_number_from_one_that_changes_n
     assert found == pytest.approx(expected, rel=0.01)
     unknown = standard_errors(fitted, np.diag([0.0, 0.0, 0.0, 0.0, np.inf]), 0)
     assert unknown == 0.0
+
+
+def test_a_slow_change_is_certain_before_its_rate_is_known():
+    """Over a small rise the logs determine only the level over the scale."""
+    term = EffectTerm(FALLING, (35.0, 724.0))
+    layout = SimpleNamespace(coefficients=lambda i: slice(0, 1), numbers=lambda i: slice(1, 2))
+    fitted = SimpleNamespace(terms=(term,), layout=layout, beta=np.array([52.0]))
+    errors, known = np.array([86.0, 1200.0]), 0.01
+    cov = np.outer(errors, errors) * (1.0 - known**2 / 2.0 * (1.0 - np.eye(2)))
+    assert standard_errors(fitted, cov, 0) == pytest.approx(52.0 / (86.0 * known), rel=0.01)

@@ -113,7 +113,8 @@ def test_a_wrong_sign_is_refused_before_any_cause_is_sought():
         first_fit([wrong], arm.believed, "j2", None)
 
 
-def test_joints_that_are_exchanged_in_the_logs_are_named():
+@pytest.mark.parametrize("what", ["", "the drives of ", "the positions of "])
+def test_joints_that_are_exchanged_in_the_logs_are_named(what):
     arm = random_arm(31, 2)
     right = {joint: logs[0] for joint, logs in joint_logs(arm, (1,), 6.0).items()}
     position = {joint: log.position for joint, log in right.items()}
@@ -121,6 +122,10 @@ def test_joints_that_are_exchanged_in_the_logs_are_named():
         a: replace(right[b], joint=a, other_positions={b: position[a]})
         for a, b in (("j1", "j2"), ("j2", "j1"))
     }
+    if what == "the drives of ":
+        wrong = {a: replace(right[a], torque=log.torque) for a, log in wrong.items()}
+    elif what:
+        wrong = {a: replace(log, torque=right[a].torque) for a, log in wrong.items()}
     logs = RobotLogs({joint: [log] for joint, log in wrong.items()}, {"j1": [], "j2": []}, {})
-    with pytest.raises(LogError, match="'j1' and 'j2' are exchanged in the logs"):
+    with pytest.raises(LogError, match=f"^{what}'j1' and 'j2' are exchanged in the logs"):
         close_loop_robot(logs, arm.believed, Options(jobs=1))

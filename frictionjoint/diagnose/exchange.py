@@ -111,7 +111,8 @@ def _clearly_better_alone(state: State, term: Term, other: Term, blocks: Blocks)
 
 
 def settle_ties(state: State) -> None:
-    """Compare each effect with the best one with more parameters that does not contain it.
+    """Compare each effect with the best one with more parameters that does not contain it, nor is
+    it: end stops that leave no room between them are a spring.
 
     Both are tied if they explain as much; of a tie, one that explains clearly more is named. This
     requires that all effects have been found: before, what the simpler effect leaves may come from
@@ -119,22 +120,27 @@ def settle_ties(state: State) -> None:
     """
     for i in range(len(state.fit.effects)):
         own, blocks = state.fit.effects, state.blocks
-        columns = state.fit.jacobian[:, state.fit.layout.coefficients(i)]
+        simple = _candidate(state.fit, i)
         richer = [
             c
             for c in _alternatives(state, own[i])
-            if numbers_of(c.term) > numbers_of(own[i])
-            and not c.contains(Candidate(own[i], columns))
+            if numbers_of(c.term) > numbers_of(own[i]) and not c.contains(simple)
         ]
         if not richer or is_unnamed(own[i]):
             continue
         best, other = _in_place_of(state, blocks, i, richer)
+        if simple.contains(_candidate(other, i)):
+            continue
         now, instead = scored(state.fit, blocks), scored(other, blocks)
         if as_good(now, instead):
             if as_good(instead, now):
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
         elif any(best.term.name in f.ties for f in state.findings if f.term.name == own[i].name):
             _exchange(state, own[i], partial(_first_of_tie, term=best.term), other)
+
+
+def _candidate(fitted: Fit, i: int) -> Candidate:
+    return Candidate(fitted.effects[i], fitted.jacobian[:, fitted.layout.coefficients(i)])
 
 
 def exchange_drive(state: State, rng: np.random.Generator) -> bool:

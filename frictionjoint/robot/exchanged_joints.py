@@ -1,6 +1,6 @@
 """Joints whose columns are exchanged in the logs: each belongs to the other joint of the model."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import combinations
 
@@ -8,7 +8,7 @@ from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.early_checks import unexplained_fraction
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.log import DRIVES, JointLog
 from frictionjoint.robot.explain import Task
 from frictionjoint.robot.joint import FittedJoint
 
@@ -18,36 +18,51 @@ _MUCH, _TIMES = 0.3, 3.0
 
 
 def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJoint]) -> None:
-    """Check that no two joints are exchanged in the logs; LogError if two whose drives the model
-    explains badly fit each other's place."""
+    """Check that no two joints, or their drives or positions, are exchanged in the logs; LogError
+    if two whose drives the model explains badly fit each other's place."""
     left = {name: unexplained_fraction(x.prepared) for name, x in fitted.items()}
     doubtful = [name for name, x in left.items() if x > _MUCH]
-    for pair in combinations(doubtful, 2):
-        try:
-            other = [_left(tasks[a], tasks[b].logs) for a, b in (pair, pair[::-1])]
-        except (FrictionJointError, KeyError):  # not both joints are in each log
-            continue
-        if all(_TIMES * x < left[name] for name, x in zip(pair, other, strict=True)):
-            a, b = pair
-            raise LogError(
-                f"{a!r} and {b!r} are exchanged in the logs: as they are, the model leaves "
-                f"{left[a]:.0%} and {left[b]:.0%} of their drives, exchanged {other[0]:.0%} and "
-                f"{other[1]:.0%}: check the columns"
-            )
+    for a, b in combinations(doubtful, 2):
+        for what, exchanged in _EXCHANGES.items():
+            try:
+                other = [_left(tasks[x], tasks[y], exchanged) for x, y in ((a, b), (b, a))]
+            except (FrictionJointError, KeyError, ValueError):  # not both joints are in each log
+                continue
+            if all(_TIMES * x < left[n] for n, x in zip((a, b), other, strict=True)):
+                raise LogError(
+                    f"{what}{a!r} and {b!r} are exchanged in the logs: as they are, the model "
+                    f"leaves {left[a]:.0%} and {left[b]:.0%} of their drives, exchanged "
+                    f"{other[0]:.0%} and {other[1]:.0%}: check the columns"
+                )
 
 
-def _left(task: Task, others: Sequence[JointLog]) -> float:
-    """What the model leaves of a joint's drive if the columns of another are its own."""
-    logs = [_as_of(task.joint, log) for log in others]
+def _left(task: Task, other: Task, exchanged: Callable[[JointLog, JointLog], JointLog]) -> float:
+    """What the model leaves of a joint's drive if columns of another are its own."""
+    logs = [exchanged(x, y) for x, y in zip(task.logs, other.logs, strict=True)]
     body = RigidBody(task.user, task.joint, task.fixed)
     return unexplained_fraction(prepare(logs, body, controller=task.controller))
 
 
-def _as_of(joint: str, log: JointLog) -> JointLog:
+def _joints(own: JointLog, other: JointLog) -> JointLog:
     """A log of another joint with the two joints exchanged."""
-    positions = log.other_positions | {log.joint: log.other_positions[joint]}
-    del positions[joint]
-    velocities = {log.joint if n == joint else n: x for n, x in log.other_velocities.items()}
-    return replace(
-        log, joint=joint, other_positions=positions, other_velocities=velocities, before=None
-    )
+    positions = other.other_positions | {other.joint: other.other_positions[own.joint]}
+    del positions[own.joint]
+    velocities = {
+        other.joint if n == own.joint else n: x for n, x in other.other_velocities.items()
+    }
+    alike = replace(other, other_positions=positions, other_velocities=velocities, before=None)
+    return replace(alike, joint=own.joint)
+
+
+def _drives(own: JointLog, other: JointLog) -> JointLog:
+    """A log with the drive of another joint."""
+    return replace(own, before=None, **{x: getattr(other, x) for x in (*DRIVES, "target")})
+
+
+def _positions(own: JointLog, other: JointLog) -> JointLog:
+    """A log with the positions of both joints exchanged."""
+    return _drives(_joints(own, other), own)
+
+
+# what may be exchanged, and a joint's log then, from the two as they are
+_EXCHANGES = {"": _joints, "the drives of ": _drives, "the positions of ": _positions}
