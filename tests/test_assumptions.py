@@ -153,9 +153,7 @@ def test_a_report_says_that_it_is_assumed_and_starts_from_what_identify_writes()
 
 
 @pytest.mark.parametrize("stiffness", [20.0, 300.0])
-def test_a_soft_joint_comes_to_rest_under_load_by_an_assumed_steep_start(
-    stiffness,
-):
+def test_a_soft_joint_comes_to_rest_under_load_by_an_assumed_steep_start(stiffness):
     prepared, ringing = fitted(stiffness, noise=0.1)
     found = with_steep_start(prepared, ringing)
     assert found.drive_rms <= ringing.drive_rms / 0.99

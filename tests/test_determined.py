@@ -33,9 +33,6 @@ def test_of_several_effects_the_one_with_no_size_is_told(prepared):
     law = fit(prepared, (SPRING,)).shape
     both = refit(prepared, (SPRING, BIAS), law)
     assert [term.name for term in undetermined(prepared, both)] == [BIAS.name]
-
-
-def test_an_effect_that_is_there_is_determined(prepared):
     assert not undetermined(prepared, fit(prepared, (SPRING,)))
     assert not undetermined(prepared, fit(prepared))
 
@@ -43,7 +40,6 @@ def test_an_effect_that_is_there_is_determined(prepared):
 @pytest.mark.parametrize(
     ("effect", "value", "error", "expected"),
     [(COMMAND_DELAY, 84e-6, 4.7e-3, 0.018), (GAIN_ERROR, 1.25, 0.6, 0.417)],
-    ids=["a delay from none", "a factor from one"],
 )
 def test_what_has_no_coefficient_is_as_far_as_its_number_from_one_that_changes_nothing(
     effect, value, error, expected

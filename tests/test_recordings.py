@@ -255,27 +255,16 @@ def test_a_parameter_that_hardly_reduces_the_error_does_not_differ(
     """Static friction of three recordings, many standard errors apart."""
     k = known()
     i = [x.name for x in k.numbers].index("Fs - Fc")
+    one = np.ones(len(k.values))
+    alike = {"informed": one, "stderr": 0.001 * one, "independent": 0.001 * one, "dof": 20.0}
+    alike |= {"log": "log", "temperature": np.nan, "speed": 1.0, "direction": 0.0, "load": 1.0}
 
     def told(squares: float) -> bool:
         values = []
         for level in (0.05, 0.06, 0.07):
-            value, one = k.values.copy(), np.ones(len(k.values))
+            value = k.values.copy()
             value[i] = level
-            values.append(
-                SimpleNamespace(
-                    log="log",
-                    value=value,
-                    stderr=0.001 * one,
-                    independent=0.001 * one,
-                    dof=20.0,
-                    informed=one,
-                    squares=squares,
-                    temperature=np.nan,
-                    speed=1.0,
-                    direction=0.0,
-                    load=1.0,
-                )
-            )
+            values.append(SimpleNamespace(value=value, squares=squares, **alike))
         monkeypatch.setattr("frictionjoint.recordings.in_report.Estimates", lambda *_: values.pop())
         notes = with_recordings(Stated.of(k), [recording(1)] * 3).notes
         return any("above Coulomb" in x for x in notes)

@@ -263,10 +263,7 @@ def test_a_robot_has_the_figures_of_its_joints():
         assert row.torque == " → ".join(shown)
         for name, text in zip(("Fc", "Fs", "sigma2", "stiffness"), row.friction, strict=True):
             assert text == next(x.qualified for x in own.friction if x.name == name)
-    before = sum(
-        100.0 * x["before"]["torque_rms"]["held_out"] / x["drive"]["rms"]["before"]["held_out"]
-        for x in ROBOT["joints"].values()
-    ) / len(ROBOT["joints"])
+    before = ROBOT["before"]["torque_percent"]["held_out"]
     assert percentage(before, 100.0) in line(s, "Error before and after")
     assert "hand" in line(s, "Missing")
     assert "rotor inertia of elbow" in line(s, "Could also be").lower()

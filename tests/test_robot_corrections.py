@@ -20,12 +20,7 @@ from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.causes.of_joint import JointOffset, RotorInertia
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.corrected_torque import Along
-from frictionjoint.robot.corrections import (
-    Corrections,
-    Shaft,
-    tendons_bend,
-    write_corrections,
-)
+from frictionjoint.robot.corrections import Corrections, Shaft, tendons_bend, write_corrections
 
 JOINTS = ("j1", "j2", "j3")
 
@@ -57,10 +52,7 @@ def logs() -> dict[str, JointLog]:
 CAUSES = {
     "payload": (Payload(3, "link3", 10.0), [0.7, 0.05, -0.02, 0.03, 1e-3]),
     "mass": (BodyInertia(2, "link2", "mass"), [0.3]),
-    "gyration": (
-        BodyInertia(2, "link2", "mass, centre, gyration"),
-        [0.2, 0.03, -0.01, 0.02, -0.1],
-    ),
+    "gyration": (BodyInertia(2, "link2", "mass, centre, gyration"), [0.2, 0.03, -0.01, 0.02, -0.1]),
     "all ten": (BodyInertia(3, "link3", "all ten"), list(0.1 * np.arange(-5, 5))),
     "rotor": (RotorInertia("j2", armature=0.01), [0.2]),
     "tilt": (BaseTilt(), [0.1, -0.05]),

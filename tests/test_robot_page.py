@@ -125,14 +125,11 @@ def test_the_summary_says_what_fell_and_what_did_not(robot):
     further = replace(robot, after=RobotErrors(Rms(2.0, 12.5), Rms(None, None)))
     assert "12% → 12% (mean of the joints), which is worse" in further.summary()
     (cause,) = robot.shared
+    assert repr(robot).startswith("RobotReport(elbow: explained, wrist: partly-explained")
+    assert len(robot.plot().axes) == 2 * len(robot.joints)
     doubted = replace(cause, evidence=replace(cause.evidence, p_value=0.3))
     text = replace(robot, shared=(doubted,)).summary()
     assert "not supported by these logs: payload of gripper (p = 0.3)" in text
-
-
-def test_a_robot_says_in_a_line_what_it_is_and_draws_every_joint(robot):
-    assert repr(robot).startswith("RobotReport(elbow: explained, wrist: partly-explained")
-    assert len(robot.plot().axes) == 2 * len(robot.joints)
 
 
 def test_each_entry_of_what_is_undetermined_names_parameters_and_says_what_is_unknown():

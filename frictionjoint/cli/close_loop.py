@@ -75,8 +75,7 @@ def close_loop(
         ),
     ] = None,
     seed: Annotated[
-        int,
-        option("INTEGER", "Seed of the random tests. Equal seeds give equal reports.", min=0),
+        int, option("INTEGER", "Seed of the random tests. Equal seeds give equal reports.", min=0)
     ] = 0,
     open_it: Open = False,
     force: Force = False,

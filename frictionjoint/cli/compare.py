@@ -42,14 +42,7 @@ def compare(
     `frictionjoint compare monday/report.json friday/report.json`
     """
     from frictionjoint.files import joint_friction, read_parameters
-    from frictionjoint.report.compare import (
-        KINDS,
-        Compared,
-        compared,
-        draw,
-        report_figures,
-        rows,
-    )
+    from frictionjoint.report.compare import KINDS, Compared, compared, draw, report_figures, rows
     from frictionjoint.report.joints import read_joints
     from frictionjoint.report.robot_report import SCHEMA as ROBOT
     from frictionjoint.report.write import write_files

@@ -41,8 +41,7 @@ def list_command(as_json: Json = False) -> None:
 
 @data.command("get", cls=PlainCommand)
 def get_command(
-    name: Annotated[str, argument("NAME", "Name, as `data list` prints it.")],
-    as_json: Json = False,
+    name: Annotated[str, argument("NAME", "Name, as `data list` prints it.")], as_json: Json = False
 ) -> None:
     """Fetch a data set and print where its logs are.
 

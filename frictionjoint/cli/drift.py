@@ -5,14 +5,7 @@ from typing import Annotated
 
 import typer
 
-from frictionjoint.cli.logs import (
-    NO_OPTIONS,
-    LogOptions,
-    Logs,
-    ReportJoint,
-    log_paths,
-    reads_logs,
-)
+from frictionjoint.cli.logs import NO_OPTIONS, LogOptions, Logs, ReportJoint, log_paths, reads_logs
 from frictionjoint.cli.output import Json, print_json
 from frictionjoint.cli.plain_help import argument
 from frictionjoint.cli.terminal import progress, show_table

@@ -6,14 +6,7 @@ from typing import Annotated
 
 import typer
 
-from frictionjoint.cli.logs import (
-    NO_OPTIONS,
-    Joints,
-    LogOptions,
-    Logs,
-    log_paths,
-    reads_logs,
-)
+from frictionjoint.cli.logs import NO_OPTIONS, Joints, LogOptions, Logs, log_paths, reads_logs
 from frictionjoint.cli.output import Force, Json, require_writable
 from frictionjoint.cli.plain_help import argument, option
 from frictionjoint.cli.terminal import console, progress, show_table

@@ -180,10 +180,7 @@ def from_bam_command(bam: Bam, out: Out, force: Force = False) -> None:
 @motors.command("to-bam", cls=PlainCommand)
 def to_bam_command(
     parameters: Annotated[Path, argument("TOML", "Parameter file, as `identify` writes it.")],
-    like: Annotated[
-        Path,
-        option("JSON", "File of BAM that supplies the actuator, kt and R."),
-    ],
+    like: Annotated[Path, option("JSON", "File of BAM that supplies the actuator, kt and R.")],
     out: Out,
     model: Annotated[
         str | None, option("M", "m1 to m6. Default: the simplest that suffices.")

@@ -33,12 +33,7 @@ from frictionjoint.diagnose.separation import (
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.result import (
-    Estimate,
-    is_without_level,
-    law_estimates,
-    law_parameters,
-)
+from frictionjoint.identify.result import Estimate, is_without_level, law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.sensitivity import driven, sensitivities
@@ -241,10 +236,7 @@ def _ratio(new: Estimate, old: Estimate) -> float:
 
 
 def computed_proposals(
-    planner: Planner,
-    ties: Sequence[tuple[int, Term]],
-    cov: Array,
-    law: Mapping[str, Estimate],
+    planner: Planner, ties: Sequence[tuple[int, Term]], cov: Array, law: Mapping[str, Estimate]
 ) -> dict[tuple[str, ...], str]:
     """One sentence per tie, and per group of poorly determined parameters, by their names.
 

@@ -47,10 +47,7 @@ class EvaluatedModel:
     """
 
     def __init__(
-        self,
-        source: str | Path,
-        recording: Recording,
-        fixed: Mapping[str, Pose] | None,
+        self, source: str | Path, recording: Recording, fixed: Mapping[str, Pose] | None
     ) -> None:
         self.model = compile_model(source)
         self.joints = list(recording.logs)

@@ -8,12 +8,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.derivatives import (
-    HIGHEST,
-    motion_band,
-    on_a_grid,
-    uniform_motion,
-)
+from frictionjoint.measured.derivatives import HIGHEST, motion_band, on_a_grid, uniform_motion
 from frictionjoint.measured.log import DRIVES, JointLog
 from frictionjoint.measured.lowpass import REACH, LowPass, steep
 from frictionjoint.measured.repairs import silent_runs

@@ -18,12 +18,7 @@ from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
-from frictionjoint.identify.notes import (
-    assumed_note,
-    inertia_note,
-    other_drive_note,
-    require_level,
-)
+from frictionjoint.identify.notes import assumed_note, inertia_note, other_drive_note, require_level
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     Estimate,

@@ -102,9 +102,7 @@ def tried(
 
 
 def by_windows(
-    vectors: Sequence[Vector],
-    courses: Sequence[Course],
-    progress: Callable[[str], None],
+    vectors: Sequence[Vector], courses: Sequence[Course], progress: Callable[[str], None]
 ) -> tuple[Vector, Array]:
     """The model with the smallest error on whole logs, of models refined on windows, and its
     numbers.

@@ -28,7 +28,8 @@ def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJo
                 other = [_left(tasks[x], tasks[y], exchanged) for x, y in ((a, b), (b, a))]
             except (FrictionJointError, KeyError, ValueError):  # not both joints are in each log
                 continue
-            if all(_TIMES * x < left[n] for n, x in zip((a, b), other, strict=True)):
+            # more than the whole drive is no worse than the whole
+            if all(_TIMES * x < min(1.0, left[n]) for n, x in zip((a, b), other, strict=True)):
                 raise LogError(
                     f"{what}{a!r} and {b!r} are exchanged in the logs: as they are, the model "
                     f"leaves {left[a]:.0%} and {left[b]:.0%} of their drives, exchanged "
