@@ -15,6 +15,7 @@ from frictionjoint.diagnose import close_loop as loop
 from frictionjoint.diagnose.notes import DIVERGES
 from frictionjoint.diagnose.verdict import verdict
 from frictionjoint.effects import temperature_dependent
+from frictionjoint.effects.measurement_delay import EFFECT as DELAY
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit
@@ -47,13 +48,17 @@ def log(celsius: float | np.ndarray = 40.0) -> JointLog:
     return JointLog(name="log", joint="j", time=t, position=q, torque=torque, temperature=known)
 
 
-def test_a_run_has_the_temperature_of_its_log() -> None:
-    body = RigidBody(JOINT, "j")
-    prepared = prepare([log(np.linspace(20.0, 60.0, N))], body)
-    alone, falling = fit(prepared), EffectTerm(temperature_dependent.EFFECT, (40.0, 30.0))
-    whole = refit(prepared, (falling,), alone.shape)
-    assert simulated_whole(whole, body.armature)
-    assert replay(prepared, body, whole).rms < 0.2 * replay(prepared, body, alone).rms
+def test_a_run_has_temperature_and_delay_of_its_log() -> None:
+    body, own = RigidBody(JOINT, "j"), log()
+    late = replace(own, position=np.interp(own.time - 0.02, own.time, own.position))
+    falling = EffectTerm(temperature_dependent.EFFECT, (40.0, 30.0))
+    cases = (log(np.linspace(20.0, 60.0, N)), falling), (late, EffectTerm(DELAY, (0.02,)))
+    for one, term in cases:
+        prepared = prepare([one], body)
+        alone = fit(prepared)
+        whole = refit(prepared, (term,), alone.shape)
+        assert simulated_whole(whole, body.armature)
+        assert replay(prepared, body, whole).rms < 0.2 * replay(prepared, body, alone).rms
 
 
 def test_runs_that_leave_the_travel_diverge() -> None:

@@ -2,21 +2,21 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
-from frictionjoint.effects.signals import TEMP, Q
+from frictionjoint.effects.signals import TEMP, TIME, Q
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.fixed_joints import lock, take_pose
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared, Segment
-from frictionjoint.identify.terms import EffectTerm, changed_drive
+from frictionjoint.identify.terms import EffectTerm, Term, changed_drive, delay_of
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.replay.windows import Windows
@@ -155,16 +155,10 @@ def _say_what_is_assumed(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
 def replayed_whole(
     prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit
 ) -> Array | None:
-    """Mean square error of each free run, if the simulation contains the whole fit; m^2 or rad^2,
-    (k,).
-
-    Returns:
-        None if the simulation does not contain the whole fit, see `simulated_whole`. A replay does
-            not represent the delay of a log either.
-    """
+    """Mean square error of each free run, m^2 or rad^2, (k,); None if the simulation does not
+    contain the whole fit, see `simulated_whole`."""
     armature = (body if isinstance(body, RigidBody) else body[0]).armature
-    late = any(isinstance(term, EffectTerm) and term.delay for term in fitted.terms)
-    if late or not simulated_whole(fitted, armature):
+    if not simulated_whole(fitted, armature):
         return None
     return replay(prepared, body, fitted).runs
 
@@ -230,8 +224,14 @@ def replay_joints(
     found: list[Array] = []
     with attach(model), unheard():
         for log in logs:
-            # with what effects of the drive have made of it
-            driven = {n: changed_drive(s, fits[n].terms) for n, s in log.items()}
+            driven = {n: _acting(s, fits[n].terms) for n, s in log.items()}
             found.extend(Windows(model, driven, motors).errors().T)
     travel = max(float(np.ptp(s.signals[:, Q])) for log in logs for s in log.values())
     return Replay(tuple(found), travel)
+
+
+def _acting(segment: Segment, terms: tuple[Term, ...]) -> Segment:
+    """A log with the drive that acted at each measured position: as effects of the drive have
+    changed it, and as much earlier as the position is logged late."""
+    found, time = changed_drive(segment, terms), segment.signals[:, TIME]
+    return replace(found, drive=np.interp(time - delay_of(terms), time, found.drive))

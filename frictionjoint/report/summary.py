@@ -141,7 +141,7 @@ def _missing(s: Summary) -> str:
         )
     elif noise and error is not None and error > AT_THE_FLOOR * noise:
         times = f" What remains is {three(error / noise, 2)} times the noise of the instruments."
-    elif s.verdict == "partly-explained" and s.effects:
+    elif s.verdict == "partly-explained" and s.effects and not noise:
         times = " The remaining error is not noise: it is correlated in time."
     rest = _dependences(s)
     if s.verdict == "too-short-to-tell":
