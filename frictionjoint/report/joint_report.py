@@ -174,9 +174,8 @@ class Report:
 
     @property
     def above_noise(self) -> bool:
-        """Whether the error on fitted logs is more than the instruments' noise explains."""
+        """Whether the error on fitted logs is above the instruments' noise, if that is known."""
         noise, left = self.noise_floor or 0.0, self.after_torque.fit or 0.0
-        # an estimate below what instruments resolve shows nothing
         return noise >= LEAST_NOISE * self.measured_rms and left > AT_THE_FLOOR * noise
 
     @property
