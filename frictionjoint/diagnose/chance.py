@@ -93,7 +93,7 @@ def surprise(
     # (Satterthwaite 1946): how a few blocks spread several scores together is too rough for more
     by_chance = inverse @ own.T @ own
     mean, half_variance = float(np.trace(by_chance)), float(np.sum(by_chance * by_chance.T))
-    if half_variance <= 0.0:
+    if min(mean, half_variance) <= 0.0:
         return np.zeros(len(scores))
     k = mean**2 / half_variance
     statistic = np.maximum(explained, 0.0) * k / mean
