@@ -97,7 +97,7 @@ def test_the_page_of_a_joint_has_the_errors_of_the_robots_page(robot):
         assert shared == (row.joint == "elbow")
 
 
-def test_a_shared_cause_explains_a_joint_only_down_to_the_noise(robot):
+def test_a_robot_with_an_error_above_the_noise_is_not_explained(robot):
     elbow = robot.joints["elbow"]
     alone = replace(robot, failed={}, joints={"elbow": elbow})
     assert alone.verdict == "explained"

@@ -131,15 +131,15 @@ class RobotReport:
 
     @property
     def verdict(self) -> Verdict:
-        """`explained` if every joint is explained or has nothing to explain, and those that a
-        shared cause acts on have no error above the noise."""
+        """`explained` if no joint has anything left to explain, nor an error above the noise."""
         found = {joint.verdict for joint in self.joints.values()}
-        left = [self.joints[n].above_noise for cause in self.shared for n in cause.joints]
-        if self.failed or any(left) or any(joint.worse for joint in self.joints.values()):
+        if self.failed or any(joint.worse for joint in self.joints.values()):
             return "partly-explained"
         if len(found) == 1 and not self.shared:
             return found.pop()
-        return "explained" if found <= {"explained", "no-effect-found"} else "partly-explained"
+        left = any(joint.above_noise for joint in self.joints.values())
+        known = found <= {"explained", "no-effect-found"} and not left
+        return "explained" if known else "partly-explained"
 
     def to_dict(self) -> dict[str, Any]:
         names = ("logs", "joints", "failed", "shared", "before", "after", "undetermined")
