@@ -105,13 +105,11 @@ class Settled:
         for turn in range(4):
             stepped = fitted_causes(now, Clock(now), found, own)
             trial = self._fitted_again([j.corrected(stepped.state) for j in now], _followed)
-            ratio = np.mean([(a.rms / b.rms) ** 2 for a, b in zip(trial, now, strict=True)])
-            if turn and ratio > 1.001:
+            # a gain below 0.1% ends the iteration
+            ratios = [(a.left / b.left) ** 2 for a, b in zip(trial, now, strict=True)]
+            if turn and float(np.mean(ratios)) > 0.999:
                 break
-            # a step that hardly changes the residual may still change a number noticeably
             found, now = stepped, trial
-            if turn and ratio > 0.999:
-                break
         return replace(self, found=found, joints=now, clock=Clock(now))
 
     def _fitted_again(
