@@ -56,7 +56,7 @@ def test_native_friction_is_found_with_its_size_and_nothing_else(noise):
     assert not report.unexplained
     assert report.final["Fc_pos"].value == pytest.approx(LOSS, rel=0.01)
     assert report.final["sigma2_pos"].value == pytest.approx(DAMPING, rel=0.03)
-    (said,) = [note for note in report.notes if "MuJoCo's own frictionloss" in note]
+    (said,) = [note for note in report.notes if "frictionloss does that" in note]
     lead = float(said.partition("direction ")[2].partition(" ms before the velocity")[0])
     # of the constraint's lead half a step of the simulation is lost
     assert lead == pytest.approx(1e3 * (LEAD - 0.5e-3), abs=0.3)

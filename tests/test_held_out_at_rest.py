@@ -58,7 +58,7 @@ def switched_off(velocity: np.ndarray, begin: float, end: float) -> JointLog:
 def test_a_part_in_which_another_drive_turns_the_joint_is_left_out_and_said() -> None:
     t = DT * np.arange(N)
     found = fj.identify([switched_off(4.0 * np.sin(np.pi * t), 4.0, 8.0)], JOINT, "j")
-    (said,) = [n for n in found.notes if "another drive turns it" in n]
+    (said,) = [n for n in found.notes if "another drive moves it" in n]
     assert said.startswith("off: 4.00")
     assert found.parameters.Fc_pos == pytest.approx(LEVEL, rel=0.03)
     assert found.torque_rms < 0.1 * LEVEL

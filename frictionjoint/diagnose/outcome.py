@@ -135,7 +135,8 @@ def _says_left_out(name: str, why: str) -> str:
 def _alike_hint(one: str, other: str) -> str:
     first, second = (name.removesuffix("_c") for name in (one, other))
     return (
-        f"These logs do not show whether {first} or {second} is the cause: both fit equally well."
+        f"These logs do not show whether {first} or {second} is the cause, because both fit "
+        "equally well."
     )
 
 

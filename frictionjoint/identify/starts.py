@@ -19,7 +19,7 @@ from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.timing import Timing, VelocityAge, timed
-from frictionjoint.identify.weights import reweighed, unlikelihood, weighted_by
+from frictionjoint.identify.weights import errors_of, reweighed, unlikelihood, weighted_by
 from frictionjoint.threads import one_thread, side_by_side
 
 # samples that a coarse look is at
@@ -60,8 +60,9 @@ def law_alone(
 
     Weights and fit depend on each other: where a law errs at rest, samples at rest count less, and
     a law fitted to them errs less there and more in sliding. So the fit begins once with the error
-    at rest that a linear fit leaves, and once with friction at rest unknown. The second fit is
-    the result if fewer of its numbers are at an end of their range, or if it is clearly likelier.
+    at rest that a linear fit leaves, and, if the logs hold any rest, once with friction at rest
+    unknown. The second fit is the result if fewer of its numbers are at an end of their range, or
+    if it is clearly likelier.
     """
 
     def made(rest_unknown: bool) -> tuple[Prepared, Fit]:
@@ -69,7 +70,10 @@ def law_alone(
         found = with_times(weighed, partial(fit, forms=known, progress=progress), open_times)
         return reweighed(*settled(*reweighed(*found)))
 
-    found, other = made(False), made(True)
+    found = made(False)
+    if not errors_of(*found).sticking:
+        return found
+    other = made(True)
     ended, its = found[1].ended, other[1].ended
     if ended != its:
         return found if ended < its else other

@@ -227,7 +227,9 @@ class _Function(Expressions):
             self.kinds[held.id] = self.noted(kind)
             lines = self._single(held, value)
         for i, to in enumerate(target.elts):
-            lines += self._single(to, ast.Subscript(held, ast.Constant(i)))
+            # a variable that is never read is a warning in C
+            if not (isinstance(to, ast.Name) and to.id.startswith("_")):
+                lines += self._single(to, ast.Subscript(held, ast.Constant(i)))
         return lines
 
     def _single(self, target: ast.expr, value: ast.expr) -> list[str]:
