@@ -140,9 +140,8 @@ def test_without_held_out_log_the_page_speaks_of_fitted_ones(found):
 
 
 def test_the_verdict_owns_up(found, nothing):
-    assert re.search(
-        r"Torque 0\.22\d? → 0\.0[12]\d+\u00a0N m \(12% → [01]\.\d+%\)", found.summary()
-    )
+    fall = r"Torque 0\.22\d? → 0\.0[12]\d+\u00a0N m \(12% → [01]\.\d+%\)"
+    assert re.search(fall, found.summary())
     # with the intervals before and after upon each other, no fall is claimed
     wide = replace(found, torque_interval=((0.1, 0.3), (0.01, 0.12)))
     assert "which may be chance" in wide.summary()
@@ -151,15 +150,16 @@ def test_the_verdict_owns_up(found, nothing):
     assert "which is worse" in worse.summary()
     hardly = replace(worse, torque_interval=((0.2, 0.25), (0.24, 0.33)))
     assert "held-out logs do not confirm it" in hardly.summary()
-    astray = replace(
-        found, after_replay=Rms(0.03, 0.035), replay_interval=((0.01, 0.033), (0.034, 0.04))
-    )
+    moved = Rms(0.03, 0.035), ((0.01, 0.033), (0.034, 0.04))
+    astray = replace(found, after_replay=moved[0], replay_interval=moved[1])
     assert re.search(r"position .*\u00a0rad, which is worse", astray.summary())
     assert "What remains is" in nothing.summary()
     apart = replace(nothing, after_torque=Rms(0.01, 0.25)).summary()
     assert "held-out logs is 25 times that on fitted logs" in apart
     quiet = replace(nothing, noise_floor=nothing.before_torque.held_out)
     assert "Nothing that these logs can show" in quiet.summary()
+    # no noise above an error that remains is stated
+    assert replace(nothing, noise_floor=9.0).to_dict()["noise_floor"] is None
     missed = replace(nothing, verdict="partly-explained", unexplained=(("arm.velocity", 0.9),))
     assert "depends on velocity of 'arm' (90%)" in missed.summary()
     assert "which no known effect explains" in missed.summary()
