@@ -18,7 +18,7 @@ def test_it_ends_by_the_weighted_residual_that_it_reduces(monkeypatch):
     monkeypatch.setattr(settle, "Clock", lambda joints: None)
     monkeypatch.setattr(
         settle,
-        "descended",
+        "fitted_causes",
         lambda now, clock, found, own: SimpleNamespace(**vars(found) | {"steps": found.steps + 1}),
     )
     trials = iter([joint(0.3, 0.1), joint(0.31, 0.08), joint(0.31, 0.08)])
