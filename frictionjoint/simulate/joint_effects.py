@@ -66,7 +66,8 @@ def effects_torque(
     law = x + row.FRONT
     level = coulomb_level(P, p)
     K, _sigma1 = presliding(P, p)
-    sig[signals.H] = hysteresis_torque(P, p, X, law) / level
+    Fh = hysteresis_torque(P, p, X, law)
+    sig[signals.H] = Fh / level
     sig[signals.ONSET] = level / K
     n = MEMORY * int(P[effects])
     memory = law + law_row_size(P, p)
@@ -81,7 +82,7 @@ def effects_torque(
     if heats:
         X[memory + n + 1] = total
     # a torque proportional to that of the law is a spring as the law is, implicit with it
-    Fh, levels = hysteresis_torque(P, p, X, law), levels_at(P, p)
+    levels = levels_at(P, p)
     if sig[signals.RAISED] * Fh > 0.0:
         damping = P[levels] + P[bristle.side(levels, v) + SIGMA2]
         X[x + row.GAIN] += max(0.0, X[x + row.GAIN] - damping) * sig[signals.RAISED] / Fh
