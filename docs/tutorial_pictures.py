@@ -1,6 +1,6 @@
 """The pictures of the tutorial, drawn by the package from the recording that it uses.
 
-    python docs/tutorial_pictures.py docs/img/tutorial
+python docs/tutorial_pictures.py docs/img/tutorial
 """
 
 import io

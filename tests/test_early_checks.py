@@ -77,7 +77,7 @@ def good_logs() -> dict[str, JointLog]:
     _, small, _, gentle = motion(0.3, 2e-3)
     _, _, rapid, hard = motion(2.0, 0.6)
     fast = motion(2.0, 0.6)[1]
-    late = int(8e-3 / DT)
+    late, way = int(8e-3 / DT), 0.3 * t + 0.15 * np.sin(1.3 * t)
     sensed = J * hard + MGL * np.sin(fast)
     return {
         "coulomb": log("coulomb", q, load + coulomb + 0.4 * v),
@@ -94,6 +94,7 @@ def good_logs() -> dict[str, JointLog]:
             "rests", np.where(t < 5.0, q, q[2500]), np.where(t < 5.0, load + coulomb, load[2500])
         ),
         "one way": log("one way", 0.5 * t, MGL * np.sin(0.5 * t) + 1.5 + 0.4 * np.sin(7 * t)),
+        "one way, gravity of another joint": log("other", way, MGL * np.sin(1.5 * way) + 1.5),
         "a current": log("current", q, (load + coulomb) / 3.7, 0.005, kind="current"),
         "a voltage": log("voltage", q, (load + coulomb) / 0.2 + 9.0 * v, 0.05, kind="voltage"),
     }

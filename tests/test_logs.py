@@ -213,8 +213,10 @@ def test_an_unknown_joint_lists_those_there(tmp_path: Path) -> None:
 
 def test_a_missing_file_and_an_unknown_kind(tmp_path: Path) -> None:
     assert "no such log" in error_of(tmp_path / "none.csv")
-    (tmp_path / "log.doc").write_text("x")
+    (tmp_path / "log.doc").write_bytes(b"x\0")
     assert "unknown kind" in error_of(tmp_path / "log.doc")
+    write(tmp_path / "log.csv", columns()).rename(tmp_path / "log.t")
+    assert len(read_log(tmp_path / "log.t").time) == N
 
 
 def make_log() -> JointLog:

@@ -51,7 +51,7 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
         *scale_note(found.final, found.prepared.slide),
         *inertia_note(found.prepared, found.final),
         *(() if load_shows else (NO_LOAD,)),
-        *_motor_constant_note(found),
+        *_motor_constant_note(found, cov),
         *_offset_note(found, cov),
         *_event_note(found),
         *_limit_note(found),
@@ -63,19 +63,22 @@ def notes(found: Trace, cov: Array, load_shows: bool) -> tuple[str, ...]:
     )
 
 
-def _motor_constant_note(found: Trace) -> tuple[str, ...]:
+def _motor_constant_note(found: Trace, cov: Array) -> tuple[str, ...]:
     """Note that a wrong motor constant leaves friction in the unit of the logged torque."""
+    slide = found.prepared.slide
     gains = [
-        1.0 + float(found.final.term_coefficients(i)[0])
+        term_estimates(found.final, cov, i, slide)["gain"]
         for i, term in enumerate(found.final.terms)
         if term.name == TORQUE_GAIN.name
     ]
-    drive = "force" if found.prepared.slide else "torque"
+    drive = "force" if slide else "torque"
     return tuple(
-        f"The logged {drive} is {gain:.4g} times the true one. Friction is stated in the unit of "
-        f"the log, and model.xml requires its {drive} in that unit too: divide both by {gain:.4g} "
-        "for true values, or correct the log and repeat the analysis."
-        for gain in gains
+        f"By this fit the logged {drive} is {1.0 + x.value:.4g}"
+        + (f" ± {x.stderr:.2g}" if x.stderr else "")
+        + " times the true one. Friction is stated in the unit of the log, and model.xml requires "
+        f"its {drive} in that unit too: divide both by {1.0 + x.value:.4g} for true values, or "
+        "correct the log and repeat the analysis."
+        for x in gains
     )
 
 

@@ -10,6 +10,7 @@ from frictionjoint.decisions import LEAST_MOVED, SURELY, TIE
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
+from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 
 # smallest fraction of the drive's rms that effects of the drive may leave
@@ -34,7 +35,13 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
         for k, outward in _at_ends(fitted, i, term)
         if _would_exceed_bound(fitted, blocks, k, outward)
     )
-    return beyond.union(_below_zero_friction(fitted, blocks))
+    backwards = frozenset(
+        term.name
+        for i, term in enumerate(fitted.terms)
+        if isinstance(term, EncoderTerm)
+        and term.order * np.hypot(*fitted.term_coefficients(i)) >= 1.0
+    )
+    return beyond.union(backwards, _below_zero_friction(fitted, blocks))
 
 
 def _below_zero_friction(fitted: Fit, blocks: Blocks) -> Iterator[str]:

@@ -154,7 +154,8 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load) -> None:
         _check_drive_changes(prepared)
     if np.max(load.factors + SURE * load.errors) < 0.0:
         raise LogError(turned_round(prepared, *load.factors))
-    logs = [(prepared.names, balance, True)]
+    # in one direction a bias or an error of gravity looks like friction of either sign
+    logs = [(prepared.names, balance, _both_ways(balance))]
     if len(prepared) > 1:
         for i, s in enumerate(prepared.segments):
             logs.append((s.name, balance.of_log(i), _turned(balance, i)))
@@ -199,10 +200,13 @@ def _free(b: Balance) -> Array:
     inertial torque, which looks like viscosity. Without motion in both directions a bias cannot be
     distinguished from friction and counts as friction.
     """
-    rarer = min(float(np.mean(b.side > 0.0)), float(np.mean(b.side < 0.0)))
-    # A bias is distinguishable from friction if 2% of the samples move in the rarer direction.
-    bias = [b.one] if rarer > 0.02 else []
+    bias = [b.one] if _both_ways(b) else []
     return np.column_stack([b.side, b.v, b.load, b.a, b.jerk, b.gravity, b.q, *bias])
+
+
+def _both_ways(b: Balance) -> bool:
+    """Whether 2% of the samples move in the rarer direction."""
+    return min(float(np.mean(b.side > 0.0)), float(np.mean(b.side < 0.0))) > 0.02
 
 
 def _friction_power(b: Balance) -> tuple[float, float, float]:

@@ -19,7 +19,13 @@ from frictionjoint.measured.columns import check_names, driven_joints
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.rollout import is_rollout, joints_of_rollout, read_rollout
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
-from frictionjoint.measured.table import TABLES, ReadOptions, column_names, read_table
+from frictionjoint.measured.table import (
+    TABLES,
+    ReadOptions,
+    column_names,
+    is_text,
+    read_table,
+)
 from frictionjoint.measured.units import check_units
 
 # files of a report that could be logs by their names
@@ -39,7 +45,7 @@ def read_log(
     """Read one joint of a log.
 
     Args:
-        path: .csv, .tsv, .txt, .dat, .parquet, .npz, .mat, .db3, .mcap, .bag, .pt, BAM's and
+        path: .csv, .tsv or other text, .parquet, .npz, .mat, .db3, .mcap, .bag, .pt, BAM's and
             K-Scale's .json, the ODrive's .npy, or the folder of a ROS 2 bag, of a LeRobot data set
             (``FOLDER#3``: episode 3), of the Panda's or of the TX40's log.
         joint: its name, if the log contains several.
@@ -73,7 +79,7 @@ def read_log(
             )
         return special[0](path, joint, how)
     kind = path.suffix.lower()
-    if kind in TABLES and path.is_file():
+    if path.is_file() and _is_table(path):
         if kind == ".mat" and not columns and public_logs.is_emps(column_names(path)):
             return public_logs.read_emps(path)
         return read_table(path, joint, how)
@@ -106,6 +112,12 @@ def _of_joints(
     if is_bag(path):
         return read_rosbag, joints_of_bag
     return (read_rollout, joints_of_rollout) if is_rollout(path, columns) else None
+
+
+def _is_table(path: Path) -> bool:
+    """Whether a file is a table by its ending or, if no format has that ending, by its text."""
+    kind = path.suffix.lower()
+    return kind in TABLES or (kind not in _KINDS and is_text(path))
 
 
 def log_files(path: str | Path) -> list[Path]:
@@ -151,7 +163,7 @@ def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None
         return special[1](path, columns)
     if path.is_dir():
         return list(public_logs.joints_of_folder(path))
-    if path.suffix.lower() not in TABLES:
+    if not _is_table(path):
         return []
     names = column_names(path, columns)
     return driven_joints(check_names(path.name, names, dict(columns or {})))

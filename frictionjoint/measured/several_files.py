@@ -155,9 +155,10 @@ def _clock(file: Path, clock: str | None) -> str:
     names = column_names(file)
     times = _times(file, clock) or _times(file, None)
     if len(times) != 1 or len(names) < 2:
+        first = names[0] if names[0].isdecimal() else "NAME"
         raise LogError(
             f"{file.name}: no column of times among {', '.join(names)}: name it with --column "
-            "time_s=NAME"
+            f"time_s={first}"
         )
     return times[0]
 

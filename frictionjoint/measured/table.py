@@ -183,15 +183,26 @@ def log_of(
 
 def _has_header(path: Path) -> bool:
     """Whether a file is text with named columns."""
-    return path.suffix.lower() in text_table.ENDINGS and not is_bare(path)
+    return is_text(path) and not is_bare(path)
+
+
+def is_text(path: Path) -> bool:
+    """Whether a file is a text table: by its ending or, if that is not of a table, its content."""
+    kind = path.suffix.lower()
+    if kind in TABLES or not path.is_file():
+        return kind in text_table.ENDINGS
+    with path.open("rb") as file:
+        return b"\0" not in file.read(4096)
 
 
 def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
     """Names of a table's columns, without reading its rows; of matrices those parts that are
     requested, see `read_table`."""
-    if path.suffix.lower() in text_table.ENDINGS:
+    if is_text(path):
         return bare_names(path) if is_bare(path) else layout_of(path).names
     reader = _arrays(path)
+    if not reader and path.suffix.lower() != ".parquet":
+        raise LogError(f"{path.name}: unknown kind of table, give one of {', '.join(TABLES)}")
     if not reader:
         return parquet.column_names(path)
     names = reader[0](path)
@@ -201,7 +212,7 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
 
 def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
     """Only the requested columns, each of shape (n,); the time column may contain dates."""
-    if path.suffix.lower() in text_table.ENDINGS:
+    if is_text(path):
         if is_bare(path):
             return bare_columns(path, names)
         return text_table.read_columns(path, names, time)
