@@ -12,7 +12,9 @@ from typing import Any
 import frictionjoint as fj
 
 GROUPS = {
-    "Logs and identification": ("read_log", "plot", "close_loop", "identify", "evaluate", "export"),
+    "Logs and identification": (
+        "read_log", "JointLog", "plot", "close_loop", "identify", "evaluate", "export",
+    ),
     "Friction in a model": (
         "FrictionParameters", "install", "uninstall", "load_model", "attach", "enable", "disable",
         "check",

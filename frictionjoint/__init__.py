@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from frictionjoint.commands import identify as identify
     from frictionjoint.evaluation.run import evaluate as evaluate
     from frictionjoint.law.motion import friction_torque as friction_torque
+    from frictionjoint.measured.log import JointLog as JointLog
     from frictionjoint.measured.readers import read_log as read_log
     from frictionjoint.parameters import FrictionParameters as FrictionParameters
     from frictionjoint.plotting import plot as plot
@@ -41,6 +42,7 @@ _NAMES = {
     "commands": "close_loop export identify",
     "evaluation.run": "evaluate",
     "law.motion": "friction_torque",
+    "measured.log": "JointLog",
     "measured.readers": "read_log",
     "parameters": "FrictionParameters",
     "plotting": "plot",

@@ -10,6 +10,9 @@ from frictionjoint.identify.result import LOOSE, law_estimates, law_parameters
 from frictionjoint.identify.segment import Prepared
 
 _SLOW = "record slow constant velocities in both directions, where viscous friction is small"
+# of the drive: a law that leaves more does not suit the joint, or the logs not the model
+LARGE = 0.2
+CAUSES = "check units and zeros, or search for the cause with `frictionjoint close-loop`"
 
 
 def inertia_note(prepared: Prepared, fitted: Fit) -> tuple[str, ...]:
@@ -47,9 +50,10 @@ def require_level(prepared: Prepared, fitted: Fit) -> None:
     """Raise LogError if the law has no Coulomb friction because the logs do not determine it."""
     if not (fitted.has_level or _shows_no_level(prepared, fitted)):
         names = few([s.name for s in prepared.segments])
-        raise LogError(
-            f"{names}: does not determine Coulomb friction{_one_way(prepared, fitted)}: {_SLOW}"
-        )
+        why, share = _one_way(prepared, fitted), fitted.rms / fitted.target_rms
+        if share > LARGE and not why:
+            raise LogError(f"{names}: the law leaves {share:.0%} of the {prepared.drive}: {CAUSES}")
+        raise LogError(f"{names}: does not determine Coulomb friction{why}: {_SLOW}")
 
 
 def _shows_no_level(prepared: Prepared, fitted: Fit) -> bool:

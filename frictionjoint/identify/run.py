@@ -18,7 +18,14 @@ from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.last_freedoms import with_last_freedoms
-from frictionjoint.identify.notes import assumed_note, inertia_note, other_drive_note, require_level
+from frictionjoint.identify.notes import (
+    CAUSES,
+    LARGE,
+    assumed_note,
+    inertia_note,
+    other_drive_note,
+    require_level,
+)
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import (
     Estimate,
@@ -33,9 +40,6 @@ from frictionjoint.measured.long_logs import bounded
 from frictionjoint.parameter_meanings import meaning
 from frictionjoint.parameters import Friction
 from frictionjoint.threads import one_thread
-
-# of the drive: a law that leaves more does not suit the joint, or the logs not the model
-_LARGE = 0.2
 
 
 @dataclass(frozen=True)
@@ -93,8 +97,7 @@ class Identified:
         """The residual error of the law, in a sentence."""
         share = self.torque_rms / self.drive_rms
         sizes = f"{self.torque_rms:.4g} of {self.drive_rms:.4g} {self.unit} rms ({share:.1%})"
-        causes = "check units and zeros, or search for the cause with `frictionjoint close-loop`"
-        return f"Residual {sizes}" + (f": {causes}." if share > _LARGE else ".")
+        return f"Residual {sizes}" + (f": {CAUSES}." if share > LARGE else ".")
 
 
 @one_thread

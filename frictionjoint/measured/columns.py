@@ -28,10 +28,13 @@ _FIGURES = ("kp", "kd", "ki", "vin")
 _OURS = ("time_s", *KNOWN, *_FIGURES)
 # how the columns of others are called, by what is missing
 _LIKELY = {
-    "time_s": re.compile(r"^(time|t|stamp|seconds?|millis|sec|ms)\b|time", re.I),
-    "position_rad": re.compile(r"^q(_?meas.*|\d*)$|(\b|_)pos(ition)?(_|\b)|angle|theta", re.I),
+    "time_s": re.compile(r"^(time|ts?|stamp|seconds?|millis|sec|[mun]s)\b|time|zeit", re.I),
+    "position_rad": re.compile(
+        r"^q(_?meas.*|\d*)$|(\b|_)pos(ition)?(_|\b)|angle|theta|^enc(oder)?\b", re.I
+    ),
     "torque_nm": re.compile(r"^tau|torque|effort", re.I),
     "force_n": re.compile(r"force", re.I),
+    "current_a": re.compile(r"^iq|^cur(r|_|$)|current|strom", re.I),
 }
 _RATE = re.compile(r"(\d+\.?\d*)\s*(k?)hz", re.I)
 # columns of other joints, for the inverse dynamics of the arm
@@ -58,6 +61,8 @@ def check_names(source: str, names: list[str], mapping: dict[str, str]) -> dict[
                 raise LogError(f"{source}: --column {ours}={theirs}: the rate must be above 0")
             rate = ours_last == "time_s" and sample_rate(f"{theirs}Hz")
             fix = f"; a sample rate needs its unit, --column {ours}={theirs}Hz" if rate else ""
+            if source.endswith(".mat") and (struct := theirs.partition(".")[0]) in names:
+                fix = f", a struct: save its fields, save('{source}', '-struct', '{struct}')"
             raise LogError(f"{source}: no column {theirs!r}, {_has(names)}{fix}")
     return {name: name for name in names} | mapping
 
@@ -150,15 +155,15 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     prefix = f"{joint}." if joints else ""
     if "time_s" not in table:
         raise LogError(
-            f"{source}: no column 'time_s', {_has(table)}; {_fix(prefix, table)}; where there are "
-            "no times, give the sample rate, --column time_s=500Hz"
+            f"{source}: no column 'time_s', {_has(table)}; {_fix(prefix, table, joint)}; where "
+            "there are no times, give the sample rate, --column time_s=500Hz"
         )
     chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
     # quantities without a joint name apply to all joints, except motion and drive
     for shared in ("temperature_c", "supply_v"):
         if shared in table:
             chosen.setdefault(shared, table[shared])
-    _check_kind(source, list(chosen), list(table), prefix)
+    _check_kind(source, list(chosen), list(table), prefix, joint)
     chosen["time_s"] = table["time_s"]
     for other in joints:
         for c in _MOTION:
@@ -167,7 +172,7 @@ def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
     return chosen
 
 
-def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -> None:
+def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str, joint: str) -> None:
     slide = "position_m" in chosen
     hinge = "position_rad" in chosen
     if not any(_LIKELY["position_rad"].search(x.rpartition(".")[2]) for x in table):
@@ -177,7 +182,7 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
     if not hinge and not slide:
         raise LogError(
             f"{source}: no column '{prefix}position_rad' (slide: position_m), {_has(table)}; "
-            f"{_fix(prefix, table)}"
+            f"{_fix(prefix, table, joint)}"
         )
     foreign = [c for c in chosen if c in (SLIDE if hinge else HINGE)]
     if foreign:
@@ -189,10 +194,18 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str) -
     if not any(c in chosen for c in _DRIVES):
         drive = "torque_nm" if hinge else "force_n"
         wanted = " or ".join(f"'{prefix}{name}'" for name in (drive, "voltage_v", "current_a"))
-        raise LogError(f"{source}: no column {wanted}, {_has(table)}; {_fix(prefix, table, drive)}")
+        raise LogError(
+            f"{source}: no column {wanted}, {_has(table)}; {_fix(prefix, table, joint, drive)}"
+        )
 
 
-def _fix(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
+def _likely(wanted: str, names: Sequence[str], joint: str) -> list[str]:
+    """Columns that may be one of ours by their names; of several, those that name the joint."""
+    found = [x for x in names if _LIKELY[wanted].search(x)]
+    return [x for x in found if joint in x] if len(found) > 1 else found
+
+
+def _fix(prefix: str, table: Iterable[str], joint: str, drive: str = "torque_nm") -> str:
     """The command options that would name all missing columns, with likely columns filled in."""
     names, parts = list(table), []
     unknown = "NUMBER" if names[:1] == ["1"] else "NAME"
@@ -200,13 +213,15 @@ def _fix(prefix: str, table: Iterable[str], drive: str = "torque_nm") -> str:
     position = () if ours & {"position_rad", "position_m"} else ("position_rad",)
     for wanted in ("time_s", *position, *(() if ours & {*_DRIVES} else (drive,))):
         if wanted not in ours:
-            likely = [x for x in names if _LIKELY[wanted].search(x)]
+            likely = _likely(wanted, names, joint)
+            if wanted == drive and not likely and (currents := _likely("current_a", names, joint)):
+                wanted, likely = "current_a", currents
             own = wanted if wanted == "time_s" else f"{prefix}{wanted}"
             name = likely[0] if len(likely) == 1 else unknown
             parts.append(
                 f"--column {own}={name}" if " " not in name else f"--column '{own}={name}'"
             )
-            unit = name.rpartition("_")[2]
+            unit = re.split(r"[_\[(]", name)[-1].rstrip("])")
             if is_foreign(wanted, unit):
                 parts.append(f"--unit {quantity_of(wanted)}={unit}")
     return f"name the columns with {' '.join(parts)}"

@@ -24,7 +24,7 @@ from frictionjoint.measured.columns import (
     sample_rate,
 )
 from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
-from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.log import FEWEST_ROWS, JointLog
 from frictionjoint.measured.text_layout import Layout, layout_of
 from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
 
@@ -128,6 +128,11 @@ def log_of(
         empty = np.logical_or.reduce([np.isnan(x) for x in data.values()])
         kept = np.flatnonzero(~empty)
         data = {name: x[kept] for name, x in data.items()}
+        if len(kept) < FEWEST_ROWS <= len(empty):
+            raise LogError(
+                f"{path.name}: only {len(kept)} of {len(empty)} rows have no empty cell: put "
+                "signals with different times in one file each, with --join, or interpolate them"
+            )
         if empty.any():
             dropped = (
                 f"{path.stem}: {int(empty.sum())} of {len(empty)} rows with an empty cell or NaN "

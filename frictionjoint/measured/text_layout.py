@@ -3,6 +3,7 @@
 import csv
 import re
 from collections.abc import Iterator
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
@@ -49,7 +50,9 @@ class Layout:
             title = _header_line(some, title)
             before, text = title + 1, some[title]
         if not text.strip() or "\0" in text:
-            raise LogError(f"{file}, row {title + 1}: no header, give column names there")
+            raise LogError(
+                f"{file}, row {title + 1}: no header in UTF-8 text, give column names there"
+            )
         separator = _separator(text)
         names = [cell.strip() for cell in next(csv.reader([text], delimiter=separator))]
         units: list[str] = []
@@ -75,14 +78,16 @@ class Layout:
 
 def layout_of(path: Path) -> Layout:
     """Layout of a file; LogError if the file is empty or no text."""
-    try:
-        with path.open(encoding="utf-8-sig") as file:
-            # a header is shorter than a megabyte
-            return Layout(path.name, iter(lambda: file.readline(1 << 20), ""))
-    except UnicodeDecodeError:
-        raise LogError(f"{path.name}: not text in UTF-8, save it as UTF-8") from None
-    except OSError as error:
-        raise LogError(f"{path.name}: cannot be read: {error.strerror}") from None
+    for encoding in ("utf-8-sig", "cp1252"):  # Excel writes the second
+        try:
+            with path.open(encoding=encoding) as file:
+                # a header is shorter than a megabyte
+                return Layout(path.name, iter(partial(file.readline, 1 << 20), ""))
+        except UnicodeDecodeError:
+            continue
+        except OSError as error:
+            raise LogError(f"{path.name}: cannot be read: {error.strerror}") from None
+    raise LogError(f"{path.name}: not text in UTF-8, save it as UTF-8")
 
 
 def _separator(header: str) -> str:

@@ -11,6 +11,7 @@ first.
 
 import csv
 import math
+import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
@@ -25,6 +26,8 @@ from frictionjoint.measured.arrays import one_line
 from frictionjoint.measured.text_layout import MOMENT, Layout, layout_of
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat")
+# a date with a time in another order than that of ISO 8601
+_DATE = re.compile(r"\s*\d{1,4}[./-]\d{1,2}[./-]\d{1,4}[T ]\s*\d{1,2}:\d\d")
 # what programs write where a number is missing
 _MISSING = {"", "na", "n/a", "#n/a", "#na", "null", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"}
 
@@ -121,6 +124,7 @@ def _fault(
         except ValueError:
             comma = point == "." and "," in cells[at]
             fix = "write decimal points" if comma else "correct it or leave the row out"
+            fix = "write dates as 2026-01-31 12:00:00.5" if _DATE.match(cells[at]) else fix
             return f"row {number}, {name}: {cells[at][:40]!r} is not a {wanted}: {fix}"
     raise AssertionError(name)
 

@@ -98,9 +98,10 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
     step = np.diff(time)
     if step.min() <= 0:
         i = int(np.argmax(step <= 0)) + 1
+        several = ", or give each joint its own columns" if np.mean(step <= 0) > 0.3 else ""
         raise LogError(
             f"{source}, row {row(i)}, time_s: {float(time[i])} after {float(time[i - 1])}, "
-            "time must increase: sort the rows or remove repeats"
+            f"time must increase: sort the rows or remove repeats{several}"
         )
     median = float(np.median(step))
     if not _STEP_S[0] <= median <= _STEP_S[1]:
@@ -150,8 +151,9 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
         if leapt > 0.25:
             raise LogError(
                 f"{source}, {name}: {leapt:.0%} of the travel lies in jumps between repeated "
-                "readings: the joint moves on while they repeat (lost messages?): "
-                "record each reading once, with its own time_s"
+                "readings: the joint moves on while they repeat (lost messages?), or rows of "
+                "several joints alternate: record each reading once, with its own time_s, and one "
+                "joint per file or column"
             )
 
 
