@@ -64,7 +64,7 @@ def install(
     """
     require_spec(spec)
     require_friction(friction)
-    joints = {joint.name: joint for joint in spec.joints}
+    joints = {joint.name: joint for joint in spec.joints if joint.name}
     replaced = [name for name in carrying(spec) if name in friction]
     for name in [*friction, *(effects or {})]:
         if name not in joints:

@@ -89,7 +89,13 @@ def attach(
         seed: of the draws.
     Raises:
         ModelError: as `frictionjoint.attach`, or as `frictionjoint.set_parameters`.
+        TypeError: no environment.
     """
+    if not hasattr(environment, "physics"):
+        raise TypeError(
+            f"attach takes an environment, not {kind_of(environment)}: for a Physics use "
+            "frictionjoint.attach(physics.model.ptr)"
+        )
     drawn = FrictionSamples(samples) if samples else None
     random = np.random.default_rng(seed)
     # kept here: composer frees a physics, and its model, at the next reset
