@@ -99,7 +99,7 @@ def test_strict_fails_where_a_joint_is_outside_its_limits(tmp_path):
     assert run("check", "bad.xml", cwd=tmp_path).returncode == 0
     bad = run("check", "bad.xml", "--strict", cwd=tmp_path)
     assert bad.returncode == 1
-    assert "j: outside its limits: h sqrt(K/J) is 5" in bad.stdout
+    assert "j: problem: h sqrt(K/J) is 5" in bad.stdout
     as_json = run("check", "bad.xml", "--strict", "--json", cwd=tmp_path)
     assert as_json.returncode == 1
     (found,) = json.loads(as_json.stdout)

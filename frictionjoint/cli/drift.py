@@ -21,10 +21,10 @@ def drift(
 ) -> None:
     """State which friction numbers of a report are confirmed by new logs and which have changed.
 
-    *Changed*: by more than the errors of report and logs, and by more than 5%, as any law errs; the
-    exit code is then 1. *Not resolvable* (–): the new logs would not show a change by half of
-    the number, or the report assumes it. Logs of target and position need the controller next to
-    the report, or --controller.
+    *Changed*: the difference exceeds 5% and what the errors of report and logs explain; the exit
+    code is then 1. *Not resolvable* (–): the new logs would not show a change by half of the
+    number, or the report assumes it. Logs of target and position need the controller next to the
+    report, or --controller.
 
     Example: `frictionjoint drift report today.csv`
     """

@@ -102,9 +102,7 @@ def uninstall(mjcf: Carrying, out: Out, force: Force = False) -> None:
 
 def check(
     mjcf: Carrying,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="Exit 1 if a joint is outside its limits.")
-    ] = False,
+    strict: Annotated[bool, typer.Option("--strict", help="Exit 1 if a problem is found.")] = False,
     as_json: Json = False,
 ) -> None:
     """List the friction of a model, what else acts on its joints, and whether the time step
@@ -131,7 +129,7 @@ def check(
                 *(row["joint"], row["law"], f"{row['stiffness']:.4g} {row['unit']}"),
                 *(f"{row['step_ratio']:.3g}", f"{row['damping_ratio']:.3g}"),
                 ", ".join(row["effects"]) or "none",
-                "outside its limits, see below" if row["outside"] else row["remark"],
+                "problem, see below" if row["outside"] else row["remark"],
             )
             for row in findings
         )
@@ -142,7 +140,7 @@ def check(
             for sentence in row["acts"]:
                 typer.echo(f"{row['joint']}: {sentence}.")
         for joint, sentence in outside:
-            typer.echo(f"{joint}: outside its limits: {sentence}.")
+            typer.echo(f"{joint}: problem: {sentence}.")
     if strict and outside:
         raise typer.Exit(1)
 

@@ -134,7 +134,7 @@ class RobotSummary:
         missing = [f"{effect} ({', '.join(names)})" for effect, names in by_effect.items()]
         causes = [x.title for x in self.shared if not x.doubt]
         unsure = [x.title + x.doubt for x in self.shared if x.doubt]
-        text = listed(causes + missing) or "nothing that these logs show for certain"
+        text = listed(causes + missing) or "nothing for certain"
         if unsure:
             text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
         if doubted:

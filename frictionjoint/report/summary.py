@@ -162,9 +162,9 @@ def _missing(s: Summary) -> str:
             )
         if noise and error is not None and error <= AT_THE_FLOOR * noise:
             # a statement on logs that are at rest half of the time must mention it
-            moving = f"the {1.0 - s.at_rest:.0%} of the samples in which the joint moves"
-            shown = "these logs" if s.at_rest < 0.5 else moving
-            return f"nothing that {shown} can show; the error is close to the noise."
+            moving = f", in the {1.0 - s.at_rest:.0%} of the samples in which the joint moves"
+            where = "" if s.at_rest < 0.5 else moving
+            return f"nothing was found; the error is close to the noise{where}."
         return (
             "no effect was found; no known effect and no measured quantity explains a significant "
             "part of the error." + times
