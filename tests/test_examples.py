@@ -12,6 +12,7 @@ import mujoco
 import pytest
 
 import frictionjoint as fj
+from tests import command_line
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 NUMBER = r"(-?[\d.]+(?:e[-+]?\d+)?)"
@@ -123,6 +124,16 @@ def test_sysid_finds_a_joint_made_with_another_law(tmp_path):
         true, started, found = numbers(rf"{name} ", text)
         assert found == pytest.approx(true, rel=tolerance), name
         assert abs(found - true) < 0.5 * abs(started - true), name
+
+
+def test_the_tutorial_shows_what_its_command_prints(tmp_path):
+    page = (EXAMPLES.parent / "docs/tutorial.md").read_text()
+    command = re.search(r"^frictionjoint (close-loop .*?)```", page, re.MULTILINE | re.DOTALL)[1]
+    shutil.copytree(EXAMPLES / "recording", tmp_path / "recording")
+    done = command_line.run(*command.replace("\\\n", " ").split(), cwd=tmp_path / "recording")
+    shown, printed = (" ".join(x.split()) for x in (page, done.stdout))
+    number = re.compile(r"-?\d[\d.]*")  # versions of MuJoCo may differ a little
+    assert number.sub("#", printed) in number.sub("#", shown)
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.ipynb")), ids=lambda p: p.stem)

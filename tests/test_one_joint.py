@@ -16,6 +16,7 @@ from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
 from frictionjoint.simulate.one_joint import JointModel, Run, simulate
+from frictionjoint.simulate.thermal import set_temperature, temperature
 
 MODEL = Path(__file__).resolve().parents[1] / "models/xl330_pendulum.xml"
 JOINT = "pendulum"
@@ -50,7 +51,7 @@ def run_of(target, start, B):
     )
 
 
-def in_mujoco(effects, motor, B, target, start):
+def in_mujoco(effects, motor, B, target, start, celsius=None):
     spec = mujoco.MjSpec.from_file(str(MODEL))
     add_motor(spec, JOINT, motor)
     install(spec, {JOINT: LAW}, {JOINT: effects})
@@ -60,6 +61,10 @@ def in_mujoco(effects, motor, B, target, start):
     data.qpos[0], data.qvel[0] = start
     S, found = np.zeros(k.STATE), np.empty(N)
     with attach(model):
+        if celsius is not None:
+            mujoco.mj_forward(model, data)
+            set_temperature(model, data, JOINT, celsius)
+            assert temperature(model, data) == {JOINT: pytest.approx(celsius)}
         for i in range(N):
             found[i] = data.qpos[0]
             data.ctrl[0] = k.tick(B, S, i * STEP, target[i], *data.qpos, *data.qvel, 1.0)

@@ -355,3 +355,16 @@ def test_an_odrive_recording(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_log(path).position, TABLE["q"], atol=1e-15)
     np.save(path, np.ones((4, 300)))
     refused("three rows", path)
+
+
+def test_a_message_on_a_table_of_others_names_the_fix(tmp_path):
+    ours, file = "time_s;position_rad;torque_nm", tmp_path / "log.csv"
+    for head, cells, says in (
+        ("Zeit [ms];Lage [°];Strom [mA]", "0;0;0", "--column 'current_a=Strom [mA]' --unit curr"),
+        (ours, "0;1;", "only 0 of 60 rows have no empty cell"),
+        (ours, "3.5.2024 9:00;1;2", "dates as 2026-01-31 12:00:00.5"),
+    ):
+        file.write_text("\n".join([head, *[cells] * 60]), encoding="cp1252")
+        with pytest.raises(LogError) as caught:
+            read_log(file, drop_nan=True)
+        assert says in str(caught.value)
