@@ -8,6 +8,7 @@ as the command line would run it. A joint that cannot be run takes its error lin
 
 import argparse
 import os
+import subprocess
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -22,8 +23,7 @@ from frictionjoint.measured.readers import read_log
 ROOT = Path(__file__).resolve().parents[1]
 HEAD = """# Measured logs
 
-Written by `python lab/real_logs.py --data DIR --write`, on a machine of two cores,
-two joints at a time.
+Written by `python lab/real_logs.py --data DIR --jobs {jobs} --write` at commit {commit}.
 Errors are rms of the torque (force) in motion on held-out data over its rms, with 95%
 intervals. The initial state of each held-out log is estimated: friction, and the deflection and
 rate of an elastic link. Replay is the rms position error of free runs of half a second, driven by
@@ -124,6 +124,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--write", action="store_true", help="write lab/notes/real_logs.md")
     asked = parser.parse_args()
+    commit = subprocess.check_output(("git", "rev-parse", "--short", "HEAD"), text=True).strip()
     chosen = [c for c in cases(asked.data) if not asked.only or c.machine in asked.only]
     lines = [
         "| machine | joint | law | effects added | before | after | replay before, after, rad or m "
@@ -136,7 +137,9 @@ def main() -> None:
             print(line, flush=True)
             lines.append(line)
     if asked.write:
-        (ROOT / "lab/notes/real_logs.md").write_text(HEAD + "\n".join(lines) + "\n")
+        (ROOT / "lab/notes/real_logs.md").write_text(
+            HEAD.format(jobs=asked.jobs, commit=commit) + "\n".join(lines) + "\n"
+        )
 
 
 if __name__ == "__main__":
