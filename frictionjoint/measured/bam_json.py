@@ -41,7 +41,8 @@ def read_bam_json(path: Path, joint: str | None) -> JointLog:
         duty = np.where(load >= 2**15, load - 2**16, load) / 885.0
         # motor switched off: its leads are open, no voltage is applied
         columns["voltage_v"] = np.where(enabled, duty * _column(path, entries, "input_volts"), 0.0)
-    figures = {key: _figure(path, key, x) for key, x in content.items() if _is_number(x)}
+    numbers = {k: x for k, x in content.items() if type(x) in (int, float)}
+    figures = {key: _figure(path, key, x) for key, x in numbers.items()}
     motion = content.get("trajectory")
     return replace(
         log_of(path, joint or "joint", columns),
@@ -75,10 +76,6 @@ def _column(path: Path, entries: list[Any], key: str) -> Array:
         if not np.isfinite(out[i]):
             raise LogError(f"{path.name}, row {i + 1}, {key}: {value}, give a finite number")
     return out
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _figure(path: Path, key: str, value: float) -> float:

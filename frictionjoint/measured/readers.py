@@ -19,13 +19,7 @@ from frictionjoint.measured.columns import check_names, driven_joints
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.rollout import is_rollout, joints_of_rollout, read_rollout
 from frictionjoint.measured.rosbag import SUFFIXES, is_bag, joints_of_bag, read_rosbag
-from frictionjoint.measured.table import (
-    TABLES,
-    ReadOptions,
-    column_names,
-    is_text,
-    read_table,
-)
+from frictionjoint.measured.table import TABLES, ReadOptions, column_names, is_text, read_table
 from frictionjoint.measured.units import check_units
 
 # files of a report that could be logs by their names
@@ -83,9 +77,8 @@ def read_log(
         if kind == ".mat" and not columns and public_logs.is_emps(column_names(path)):
             return public_logs.read_emps(path)
         return read_table(path, joint, how)
-    unknown = LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
-    if not path.is_dir() and kind not in _KINDS:
-        raise unknown
+    if not path.is_dir() and kind not in (".json", ".npy"):
+        raise LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
     if how.columns or how.signals or how.wrap or how.units or how.drop_nan:
         raise LogError(
             f"{path.name}: --column, --unit, --signal, --wrap and --drop-nan apply only to "
@@ -93,11 +86,7 @@ def read_log(
         )
     if path.is_dir():
         return public_logs.read_folder(path, joint)
-    if kind == ".json":
-        return read_bam_json(path, joint)
-    if kind == ".npy":
-        return public_logs.read_odrive(path)
-    raise unknown
+    return read_bam_json(path, joint) if kind == ".json" else public_logs.read_odrive(path)
 
 
 def _of_joints(

@@ -43,7 +43,8 @@ class Layout:
         remarks = next((i for i, line in enumerate(some) if not line.startswith("#")), len(some))
         title, before = remarks, remarks + 1
         text = some[title] if title < len(some) else ""
-        if remarks and (remarks == len(some) or _numbers_only(text)):
+        cells = re.split(r"[,;\s]+", text)
+        if remarks and (remarks == len(some) or all(map(_NUMBER.fullmatch, cells))):
             title, before = remarks - 1, remarks
             text = some[title].lstrip("# ")
         elif title < len(some):
@@ -148,8 +149,3 @@ def _as_wide_as(names: list[str], sample: list[str]) -> list[str]:
     if wide > len(names) and not any(sample[len(names) :]):
         return names + [""] * (wide - len(names))
     return names
-
-
-def _numbers_only(line: str) -> bool:
-    """Whether a line contains only numbers."""
-    return all(_NUMBER.fullmatch(x) for x in re.split(r"[,;\s]+", line))

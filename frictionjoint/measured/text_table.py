@@ -139,11 +139,8 @@ def _numbers(cells: Sequence[str], point: str) -> Array:
     try:
         return np.array([float(x) if x else math.nan for x in cells])
     except ValueError:
-        return np.array([_number(x) for x in cells])
-
-
-def _number(cell: str) -> float:
-    return math.nan if cell.strip().lower() in _MISSING else float(cell)
+        known = ("" if x.strip().lower() in _MISSING else x for x in cells)
+        return np.array([float(x) if x else math.nan for x in known])
 
 
 def _moments(cells: Sequence[str], zoned: bool) -> NDArray[np.datetime64]:
