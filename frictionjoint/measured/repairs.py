@@ -41,7 +41,7 @@ def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
     found = time.copy()
     for i in starts:
         found[i:] += found[i - 1] + gap - found[i]
-    return found, (f"the clock starts again {len(starts)} times: read as {len(starts) + 1} runs.",)
+    return found, (f"the clock starts again: read as {len(starts) + 1} runs.",)
 
 
 def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
