@@ -15,7 +15,7 @@ def page(evaluation: Evaluation) -> str:
 
 def figures(x: float | None, unit: str = "") -> str:
     """A number with three significant digits, or a dash."""
-    return "–" if x is None else f"{x:.3g}{unit and ' '}{unit}"
+    return "–" if x is None else f"{x:.3g} {unit}".replace(" %", "%").strip()
 
 
 def _charts(joint: JointEvaluation) -> list[Chart]:
