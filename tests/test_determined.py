@@ -15,9 +15,8 @@ from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
 from tests.three_sines import INERTIA, A, Q, T, V, logged
 
-SPRING, BIAS = (
-    EffectTerm(next(e for e in CATALOGUE if e.name == name)) for name in ("spring", "torque-bias")
-)
+TERMS = {e.name: EffectTerm(e) for e in CATALOGUE}
+SPRING, BIAS, GAIN = (TERMS[name] for name in ("spring", "torque-bias", "torque-gain"))
 
 
 @pytest.fixture(scope="module")
@@ -47,10 +46,9 @@ def test_what_has_no_coefficient_is_as_far_as_its_number_from_one_that_changes_n
     term = DriveTerm(effect, (value,))
     layout = SimpleNamespace(coefficients=lambda i: slice(3, 3), numbers=lambda i: slice(4, 5))
     fitted = SimpleNamespace(terms=(term,), layout=layout)
-    found = standard_errors(fitted, np.diag([0.0, 0.0, 0.0, 0.0, error**2]), 0)
-    assert found == pytest.approx(expected, rel=0.01)
-    unknown = standard_errors(fitted, np.diag([0.0, 0.0, 0.0, 0.0, np.inf]), 0)
-    assert unknown == 0.0
+    for variance, far in ((error**2, expected), (np.inf, 0.0)):
+        found = standard_errors(fitted, np.diag([0.0, 0.0, 0.0, 0.0, variance]), 0)
+        assert found == pytest.approx(far, rel=0.01)
 
 
 def test_a_slow_change_is_certain_before_its_rate_is_known():
@@ -61,3 +59,9 @@ def test_a_slow_change_is_certain_before_its_rate_is_known():
     errors, known = np.array([86.0, 1200.0]), 0.01
     cov = np.outer(errors, errors) * (1.0 - known**2 / 2.0 * (1.0 - np.eye(2)))
     assert standard_errors(fitted, cov, 0) == pytest.approx(52.0 / (86.0 * known), rel=0.01)
+
+
+def test_a_motor_constant_that_leaves_no_load_in_the_torque_has_no_size():
+    layout = SimpleNamespace(coefficients=lambda i: slice(0, 1))
+    fitted = SimpleNamespace(terms=(GAIN,), layout=layout, beta=np.array([-0.998]))
+    assert standard_errors(fitted, np.array([[0.065**2]]), 0) == pytest.approx(0.002 / 0.065)

@@ -44,10 +44,8 @@ def numbers(line: str, text: str) -> list[float]:
 def test_five_lines_hold_the_arm_that_frictionloss_lets_creep(tmp_path):
     text = run("five_lines", tmp_path)
     ours, native = numbers("frictionjoint", text), numbers("frictionloss", text)
-    assert abs(ours[0]) < 0.3
-    assert abs(ours[1]) < 1e-9
-    assert abs(native[0]) > 10.0
-    assert abs(native[1]) > 1.0
+    assert all(abs(x) < most for x, most in zip(ours, (0.3, 1e-9), strict=True))
+    assert all(abs(x) > least for x, least in zip(native, (10.0, 1.0), strict=True))
 
 
 def test_a_log_becomes_a_model_that_replays_better(tmp_path):
@@ -108,9 +106,8 @@ def test_dm_control_task_with_and_without_friction(tmp_path):
 
 
 def tracking_error_grows(text: str) -> None:
-    (free,), (native,), (ours,) = (
-        numbers(name, text) for name in ("no friction", "frictionloss", "frictionjoint")
-    )
+    names = "no friction", "frictionloss", "frictionjoint"
+    (free,), (native,), (ours,) = (numbers(name, text) for name in names)
     assert free < native < ours
 
 
@@ -131,9 +128,9 @@ def test_the_tutorial_shows_what_its_command_prints(tmp_path):
     command = re.search(r"^frictionjoint (close-loop .*?)```", page, re.MULTILINE | re.DOTALL)[1]
     shutil.copytree(EXAMPLES / "recording", tmp_path / "recording")
     done = command_line.run(*command.replace("\\\n", " ").split(), cwd=tmp_path / "recording")
-    shown, printed = (" ".join(x.split()) for x in (page, done.stdout))
-    number = re.compile(r"-?\d[\d.]*")  # versions of MuJoCo may differ a little
-    assert number.sub("#", printed) in number.sub("#", shown)
+    # numbers may differ between versions of MuJoCo
+    shown, printed = (re.sub(r"-?\d[\d.]*|\s+", "_", x) for x in (page, done.stdout))
+    assert printed in shown
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.ipynb")), ids=lambda p: p.stem)
@@ -141,9 +138,8 @@ def test_a_notebook_runs(path, tmp_path):
     shutil.copytree(EXAMPLES / "recording", tmp_path / "recording")
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     notebook = nbformat.read(path, as_version=4)
-    nbclient.NotebookClient(
-        notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}
-    ).execute()
+    place = {"metadata": {"path": str(tmp_path)}}
+    nbclient.NotebookClient(notebook, timeout=300, resources=place).execute()
     cells = [c for c in notebook.cells if c.cell_type == "code"]
     assert all(c.execution_count for c in cells)
     assert any("text/html" in o.get("data", {}) for c in cells for o in c.outputs)

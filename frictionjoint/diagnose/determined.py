@@ -5,6 +5,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import SURELY
 from frictionjoint.diagnose.candidate import is_unnamed
+from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.segment import Prepared
@@ -47,6 +48,8 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     at = layout.coefficients(i)
     if at.stop > at.start and not term.effect.of_load:
         x = np.asarray(fitted.beta[at])
+        # a motor constant whose load may be absent from the torque is none
+        x = np.minimum(np.abs(x), 1.0 + x) if term.name == TORQUE_GAIN.name else x
         cov = _given(cov, layout.numbers(i)) if term.effect.slow else cov
     else:
         x, at = np.array(term.free_shape), layout.numbers(i)

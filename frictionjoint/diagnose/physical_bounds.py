@@ -23,8 +23,8 @@ def impossible(fitted: Fit, blocks: Blocks) -> frozenset[str]:
     A number past its bound by more than its standard error, and by more torque than the usual error
     of a law, shows that the cause is another one. Bounds at zero and infinity do not count, because
     the effect vanishes there or has another form; nor do discontinuous effects, whose derivatives
-    say too little. An effect is impossible too if friction would supply energy, or if no drive
-    remains although the joint moves.
+    say too little. An effect is impossible too if friction would supply energy, if no drive
+    remains although the joint moves, or if an encoder would count backwards.
     """
     if fitted.acting < LEAST_ACTING:
         return frozenset(t.name for t in fitted.terms if isinstance(t, DriveTerm))
