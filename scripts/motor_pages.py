@@ -24,8 +24,8 @@ Errors on held-out data, with the law alone and with the effects that were found
 * **replay**: rms position error of free runs of half a second;
 * **loop**: mean absolute position error of whole logs simulated from their target.
 
-For a robot the second number belongs to the MJCF with corrected bodies. Every motor holds a load at
-rest. The verdict is that of the report; it is empty if it was not kept.
+In a robot the second error is that of the MJCF with corrected bodies. Every motor holds a load at
+rest. The verdict is that of the report; it is empty if it was not recorded.
 
 `frictionjoint motors show NAME` prints the numbers of a motor with standard errors, the conditions
 of the logs, what they do not determine, and what was assumed. The same remarks, and the variation
@@ -36,9 +36,9 @@ TAIL = (
     "## How they were made",
     "",
     "`python scripts/make_motors.py --data DIR --out DIR` writes the library and its pages. If the",
-    "controller is known, the numbers are refined by simulation. Without it the loop",
-    "error is 0.0398 rad for the XL330, and the same for EMPS. `--keep NAME` leaves the numbers of",
-    "a machine or a motor as they are.",
+    "controller is known, the numbers are refined by simulation: the error of whole logs (loop) of the",
+    "XL330 is 0.0398 rad before; that of EMPS does not change. `--keep NAME` leaves the numbers of a",
+    "machine or a motor as they are.",
     "",
 )
 
