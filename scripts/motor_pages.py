@@ -36,9 +36,9 @@ TAIL = (
     "## How they were made",
     "",
     "`python scripts/make_motors.py --data DIR --out DIR` writes the library and its pages. If the",
-    "controller is known, the numbers are refined by simulation: the error of whole logs (loop) of the",
-    "XL330 is 0.0398 rad before; that of EMPS does not change. `--keep NAME` leaves the numbers of a",
-    "machine or a motor as they are.",
+    "controller is known, the numbers are refined by simulation: the error of whole logs (loop)",
+    "of the XL330 is 0.0398 rad before; that of EMPS does not change. `--keep NAME` leaves the",
+    "numbers of a machine or a motor as they are.",
     "",
 )
 
