@@ -29,7 +29,10 @@ def without_missing_meshes(
     needed = {
         geom.meshname
         for geom in spec.geoms
-        if geom.meshname in missing and not _massless(geom) and _moves(geom.parent)
+        if geom.meshname in missing
+        # the inertia of the body depends on the geom
+        and not (geom.parent.explicitinertial or geom.mass == 0.0 or geom.density == 0.0)
+        and _moves(geom.parent)
     }
     for geom in list(spec.geoms):
         if geom.meshname in missing and geom.meshname not in needed:
@@ -40,11 +43,6 @@ def without_missing_meshes(
             left_out.append(str(mesh.file))
             spec.delete(mesh)
     return tuple(left_out), tuple(str(missing[name].file) for name in needed)
-
-
-def _massless(geom: mujoco.MjsGeom) -> bool:
-    """Whether the inertia of the geom's body does not depend on the geom."""
-    return bool(geom.parent.explicitinertial) or geom.mass == 0.0 or geom.density == 0.0
 
 
 def _moves(body: mujoco.MjsBody) -> bool:

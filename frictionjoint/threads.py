@@ -40,12 +40,8 @@ def _libraries() -> ThreadpoolController:
 _busy = threading.local()
 
 
-def _cores() -> int:
-    """Processor cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-_allowed = int(os.environ.get("FRICTIONJOINT_THREADS") or _cores())
+_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+_allowed = int(os.environ.get("FRICTIONJOINT_THREADS") or _cores or 1)
 
 
 def allow(threads: int) -> None:

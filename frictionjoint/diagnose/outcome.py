@@ -87,7 +87,8 @@ def finish_search(
     if left_out and not findings:
         # the last step looked for what the model lacks besides the effects that it had
         state.look, _ = look(state.fit, state.blocks, state.candidates, rng)
-        hints += [_says_left_out(*pair) for pair in sorted(left_out.items())]
+        for name, why in sorted(left_out.items()):
+            hints.append(f"The search added {title(name)} and removed it again: {why}.")
     return Trace(
         prepared=state.prepared,
         base=base,
@@ -126,10 +127,6 @@ def _settled(
     try_other_effects(state)
     settle_ties(state)
     return final_evidence(state, rng)
-
-
-def _says_left_out(name: str, why: str) -> str:
-    return f"The search added {title(name)} and removed it again: {why}."
 
 
 def _alike_hint(one: str, other: str) -> str:

@@ -113,7 +113,7 @@ class RobotSummary:
         self.logs = tuple(content["logs"])
         changed = bool(self.shared) or any(s.changed for s in self.joints.values())
         error = _errors(content, self.role, changed)
-        doubted = {n for n, s in self.joints.items() if s.effects and not _confirmed(s)}
+        doubted = {n for n, s in self.joints.items() if s.effects and s.is_contradicted}
         doubted |= {n for n, x in by_joint.items() if x.get("worse")}
         lines = (
             ("Missing", self._missing(doubted)),
@@ -157,11 +157,6 @@ class RobotSummary:
             if x.rivals and not x.doubt and name not in doubted
         ]
         return "; ".join(rivals) + "." if rivals else ""
-
-
-def _confirmed(s: Summary) -> bool:
-    """Whether the error of the drive falls on held-out logs, if there are any."""
-    return s.role != "held_out" or s.change(s.drive.split(" ", 1)[1]) not in ("rises", "no fall")
 
 
 def _errors(content: Content, role: str, changed: bool) -> str:

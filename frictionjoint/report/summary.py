@@ -92,8 +92,9 @@ class Summary:
     @property
     def verdict_lines(self) -> tuple[tuple[str, str], ...]:
         """Label and sentence of each line: missing, errors, rivals, what to record next."""
+        robot = f"{listed(self.shared)}, see the robot's page; beyond this, " if self.shared else ""
         lines = (
-            ("Missing", _missing_of_robot(self) + _missing(self)),
+            ("Missing", robot + _missing(self)),
             ("Error before and after" if self.changed else "Error", _error_line(self)),
             ("Could also be", _rivals_line(self)),
             ("Record next", self.record_next[0] if self.record_next else "nothing in particular."),
@@ -108,6 +109,12 @@ class Summary:
         # mentioned from a tenth of the squared residual on
         return tuple(c for c in self.steps[-1] if c.gain >= 0.1 and c.p_value <= SIGNIFICANCE)
 
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether the error of the drive does not fall on held-out logs."""
+        change = self.change(self.drive.split(" ", 1)[1])
+        return self.role == "held_out" and change in ("rises", "no fall")
+
     def error(self, quantity: str, stage: Stage) -> ErrorRow | None:
         rows = (e for e in self.errors if e.quantity == quantity and e.stage == stage)
         return next(rows, None)
@@ -121,11 +128,6 @@ def _logs(content: Content) -> tuple[Content, ...]:
     errors = {(e["name"], e["role"]): e for e in content.get("log_errors", ())}
     unknown = dict.fromkeys(STAGES)
     return tuple(unknown | x | errors.get((x["name"], x["role"]), {}) for x in content["logs"])
-
-
-def _missing_of_robot(s: Summary) -> str:
-    """Causes that the joint shares with others; empty if there are none."""
-    return f"{listed(s.shared)}, see the robot's page; beyond this, " if s.shared else ""
 
 
 def _missing(s: Summary) -> str:
@@ -174,7 +176,7 @@ def _missing(s: Summary) -> str:
     unsized = [e.title for e in s.effects if "size" in e.doubt]
     unsure = [f"{e.title} ({e.doubt})" for e in s.effects if e.doubt and "size" not in e.doubt]
     change = s.change(s.drive.split(" ", 1)[1])
-    if change in ("rises", "no fall") and s.role == "held_out":
+    if s.is_contradicted:
         held = "contradict" if change == "rises" else "do not confirm"
         suggested = listed(sure or unsure or unsized)
         return (

@@ -60,10 +60,9 @@ def _drives(own: JointLog, other: JointLog) -> JointLog:
     return replace(own, before=None, **{x: getattr(other, x) for x in (*DRIVES, "target")})
 
 
-def _positions(own: JointLog, other: JointLog) -> JointLog:
-    """A log with the positions of both joints exchanged."""
-    return _drives(_joints(own, other), own)
-
-
 # what may be exchanged, and a joint's log then, from the two as they are
-_EXCHANGES = {"": _joints, "the drives of ": _drives, "the positions of ": _positions}
+_EXCHANGES = {
+    "": _joints,
+    "the drives of ": _drives,
+    "the positions of ": lambda own, other: _drives(_joints(own, other), own),
+}
