@@ -157,7 +157,7 @@ def test_the_verdict_owns_up(found, nothing):
     apart = replace(nothing, after_torque=Rms(0.01, 0.25)).summary()
     assert "held-out logs is 25 times that on fitted logs" in apart
     quiet = replace(nothing, noise_floor=nothing.before_torque.held_out)
-    assert "Nothing that these logs can show" in quiet.summary()
+    assert "Nothing was found; the error is close to the noise" in quiet.summary()
     # no noise above an error that remains is stated
     assert replace(nothing, noise_floor=9.0).to_dict()["noise_floor"] is None
     missed = replace(nothing, verdict="partly-explained", unexplained=(("arm.velocity", 0.9),))
