@@ -47,6 +47,8 @@ def check_logs(
     said: list[str] = []
     for log in everything:
         said += [*log.notes, *speed_note(log)]
+        if log.joint not in (body.joint, "joint"):  # a reader's name where a file has none
+            said.append(f"{log.name}: a log of joint {log.joint!r}, used for {body.joint!r}.")
         _check_range(log, body)
         _check_limit(log, body)
         said += _check_joints(log, body)
