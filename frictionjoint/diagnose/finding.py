@@ -9,7 +9,7 @@ from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.other_laws import Comparison
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, without_scale
-from frictionjoint.identify.instruments import NotGiven, as_given
+from frictionjoint.identify.instruments import NotGiven, as_delivered
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
@@ -116,7 +116,7 @@ class Trace:
         """Held-out logs, corrected for the instrument errors that were found in the fitted logs."""
         if self.prepared.band.sensor_saturates:
             kept_back = kept_back.without_limits()
-        return as_given(kept_back, self.not_given)
+        return as_delivered(kept_back, self.not_given)
 
     def without_scale(self) -> "Trace":
         """The trace in units of the drive, if the logs do not determine the gain."""

@@ -24,7 +24,7 @@ from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, OF_NEGATIVE, Shape
-from frictionjoint.identify.starts import ripened
+from frictionjoint.identify.starts import refined_starts
 from frictionjoint.identify.terms import Term
 from frictionjoint.law.names import LAWS
 from frictionjoint.threads import side_by_side
@@ -82,7 +82,7 @@ class OtherLaws:
         self._followed = None
 
         with side_by_side() as each:
-            for shape in each(lambda f: ripened(prepared, effects, f)[0].law, self._rivals):
+            for shape in each(lambda f: refined_starts(prepared, effects, f)[0].law, self._rivals):
                 self.shapes[shape.variables] = shape
 
     def starts(self, shape: Shape) -> tuple[Shape, ...]:
@@ -137,7 +137,7 @@ class OtherLaws:
         """
         self._progress("fit: other minima")
         own = [_FORMS[names] for names in self._own]
-        places = [p for forms in own for p in ripened(prepared, fitted.effects, forms)]
+        places = [p for forms in own for p in refined_starts(prepared, fitted.effects, forms)]
         most = min(place.cost for place in places) / (1.0 - CLEARLY) ** 2
         return [p.search.result(p.x) for p in places if p.cost <= most]
 

@@ -19,7 +19,7 @@ from frictionjoint.diagnose.unnamed import quantities_alike
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.assumptions import with_assumptions
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_given
+from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_delivered
 from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rounding import best_of
@@ -173,7 +173,7 @@ def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
         if isinstance(term, ExcessTerm)
     )
     if not_given:
-        prepared = as_given(state.prepared, not_given)
+        prepared = as_delivered(state.prepared, not_given)
         acted = prepared, refit(prepared, named, state.fit.shape)
         before, after = replayed(*asked), replayed(*acted)
         if before is None or after is None or nearer(after, before):

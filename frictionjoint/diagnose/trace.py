@@ -35,7 +35,7 @@ from frictionjoint.diagnose.state import (
     numbers_of,
     with_fewer,
 )
-from frictionjoint.identify.base_fit import base_fit, slowed
+from frictionjoint.identify.base_fit import base_fit, slow_fit
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.search import CLOSE, ROUGH, nearer
 from frictionjoint.identify.segment import Prepared
@@ -343,7 +343,7 @@ def _follow(state: State) -> bool:
     if state.laws.followed(state.fit):
         return False
     if state.fit.effects and (
-        slow := slowed(state.prepared, state.fit, forms_like(state.fit.shape))
+        slow := slow_fit(state.prepared, state.fit, forms_like(state.fit.shape))
     ):
         # while an effect was missing the law may have fallen too early for another reason
         state.prepared, state.fit = settled(*slow)

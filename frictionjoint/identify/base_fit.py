@@ -11,7 +11,7 @@ from frictionjoint.identify.rounding import in_order
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, Shape
-from frictionjoint.identify.starts import law_alone, ripened
+from frictionjoint.identify.starts import law_alone, refined_starts
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.rivals import StaticParameters
 from frictionjoint.threads import one_thread
@@ -29,15 +29,15 @@ def base_fit(
     name."""
     forms = forms_of(law)
     prepared, found = law_alone(prepared, forms, progress)
-    if slowed(prepared, found, forms):
+    if slow_fit(prepared, found, forms):
         prepared, found = law_alone(replace(prepared, slow=True), forms, progress)
     if forms is not INTEGRATED:
         return prepared, found
-    other = refit(prepared, (), ripened(prepared, (), CONSTRAINT)[0].law, ROUGH)
+    other = refit(prepared, (), refined_starts(prepared, (), CONSTRAINT)[0].law, ROUGH)
     return better_form(prepared, found, [other])
 
 
-def slowed(prepared: Prepared, found: Fit, forms: Sequence[Shape]) -> tuple[Prepared, Fit] | None:
+def slow_fit(prepared: Prepared, found: Fit, forms: Sequence[Shape]) -> tuple[Prepared, Fit] | None:
     """The logs and a fit without the usual bound of the Stribeck velocity; None unless the velocity
     is at that bound, and at most half of the sum of squares remains without it."""
     shape = found.shape
@@ -48,7 +48,7 @@ def slowed(prepared: Prepared, found: Fit, forms: Sequence[Shape]) -> tuple[Prep
     if shape.vector()[at] < most - 0.01:
         return None
     slow = replace(prepared, slow=True)
-    law = ripened(slow, found.effects, forms)[0].law
+    law = refined_starts(slow, found.effects, forms)[0].law
     # under the weights of a law that falls too early, much of what it leaves counts little
     slow, wide = reweighed(*reweighed(slow, refit(slow, found.effects, law)))
     bound = refit(replace(slow, slow=False), found.effects, shape)

@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 
 from frictionjoint.errors import ModelError
-from frictionjoint.identify.earlier_friction import said_of
+from frictionjoint.identify.earlier_friction import ignored_note
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.rigid_body import RigidBody
@@ -66,7 +66,7 @@ class Bodies:
             mine, theirs = ([x for x in some if self._of(x) is body] for some in (logs, held_out))
             said += check_logs(mine, body, theirs)
             if body.carried:
-                said.append(said_of([body.joint]))
+                said.append(ignored_note([body.joint]))
             if body.native:
                 said.append(
                     f"Joint {body.joint!r} has {body.native} in the MJCF. It is ignored here, and "

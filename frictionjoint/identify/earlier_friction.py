@@ -23,7 +23,7 @@ def before_friction(
     return model_text(spec, model), tuple(there)
 
 
-def said_of(joints: Sequence[str]) -> str:
+def ignored_note(joints: Sequence[str]) -> str:
     """Sentence of the report on removed friction."""
     which = "joint" if len(joints) == 1 else "joints"
     return (

@@ -22,7 +22,12 @@ from frictionjoint.arrays import Array, Index, root_mean_square
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError
 from frictionjoint.identify.basis import lengths, pseudo_inverse
-from frictionjoint.identify.error_messages import driven, too_large, turned_round, unexplained
+from frictionjoint.identify.error_messages import (
+    friction_drives,
+    reversed_load,
+    too_large,
+    unexplained,
+)
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.law_basis import plain_friction, top_speed
 from frictionjoint.identify.segment import Prepared
@@ -153,7 +158,7 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load) -> None:
     if prepared.gain_unknown:
         _check_drive_changes(prepared)
     if np.max(load.factors + SURE * load.errors) < 0.0:
-        raise LogError(turned_round(prepared, *load.factors))
+        raise LogError(reversed_load(prepared, *load.factors))
     # in one direction a bias or an error of gravity looks like friction of either sign
     logs = [(prepared.names, balance, _both_ways(balance))]
     if len(prepared) > 1:
@@ -165,7 +170,7 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load) -> None:
         # sign is considered only if the right signs leave much of it.
         wrong = turned and power < -SURE * error and free < 0.8
         if wrong and _left(part, prepared.gain_unknown) > 0.3:
-            raise LogError(driven(prepared, name, -power / error))
+            raise LogError(friction_drives(prepared, name, -power / error))
 
 
 def _check_drive_changes(prepared: Prepared) -> None:

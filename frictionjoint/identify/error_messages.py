@@ -19,14 +19,14 @@ class _Columns(NamedTuple):
     rest: str = ""
 
 
-def driven(prepared: Prepared, name: str, errors: float) -> str:
+def friction_drives(prepared: Prepared, name: str, errors: float) -> str:
     """Message: friction would drive the joint, by this number of standard errors."""
     return _wrong_sign(
         prepared, name, f"friction would drive the joint ({errors:.0f} standard errors)"
     )
 
 
-def turned_round(prepared: Prepared, gravity: float, inertia: float) -> str:
+def reversed_load(prepared: Prepared, gravity: float, inertia: float) -> str:
     """Message: gravity and inertia of the model appear in the drive with these negative factors."""
     why = (
         f"the drive matches the model with opposite sign (gravity x {gravity:.3g}, inertia x "

@@ -65,7 +65,7 @@ class ExcessTerm(TunedTerm):
 NotGiven = tuple[ExcessTerm, float]
 
 
-def as_given(prepared: Prepared, not_given: Sequence[NotGiven]) -> Prepared:
+def as_delivered(prepared: Prepared, not_given: Sequence[NotGiven]) -> Prepared:
     """Logs with the torque that was delivered."""
     logs = list(prepared.segments)
     for term, fraction in not_given:

@@ -19,7 +19,7 @@ from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.terms import Term
 from frictionjoint.identify.timing import Timing, VelocityAge, timed
-from frictionjoint.identify.weights import errors_of, reweighed, unlikelihood, weighted_by
+from frictionjoint.identify.weights import errors_of, inverse_likelihood, reweighed, weighted_by
 from frictionjoint.threads import one_thread, side_by_side
 
 # samples that a coarse look is at
@@ -77,7 +77,7 @@ def law_alone(
     ended, its = found[1].ended, other[1].ended
     if ended != its:
         return found if ended < its else other
-    likelier = unlikelihood(*other) < (1.0 - CLEARLY) * unlikelihood(*found)
+    likelier = inverse_likelihood(*other) < (1.0 - CLEARLY) * inverse_likelihood(*found)
     return other if likelier else found
 
 
@@ -118,7 +118,9 @@ def with_times(
 
 
 @one_thread
-def ripened(prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]) -> list[Place]:
+def refined_starts(
+    prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]
+) -> list[Place]:
     """Each form of a law after some steps of a coarse search, best first, with the costs of that
     search."""
     return _followed(_screened(prepared.thinned(COARSE), terms, forms))

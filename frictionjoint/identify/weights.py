@@ -53,7 +53,7 @@ def _errors(prepared: Prepared, sticking: Sequence[Array], residual: Array) -> E
     return Errors(base, root_mean_square(sticks) if sticks.size else 0.0)
 
 
-def unlikelihood(prepared: Prepared, fitted: Fit) -> float:
+def inverse_likelihood(prepared: Prepared, fitted: Fit) -> float:
     """Inverse of the likelihood per sample, geometric mean, if each residual has the variance that
     the weights from the fit imply; in `error_unit`."""
     errors = errors_of(prepared, fitted)

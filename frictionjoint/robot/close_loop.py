@@ -13,7 +13,7 @@ from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.trace import INTEGRATED_LAW
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.bodies import Bodies
-from frictionjoint.identify.earlier_friction import before_friction, said_of
+from frictionjoint.identify.earlier_friction import before_friction, ignored_note
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rival_shape import forms_of
@@ -152,7 +152,7 @@ def close_loop_robot(
         excitation=excitation,
         mjcf=model_text(spec, corrected),
         seconds=time.perf_counter() - begin,
-        notes=(*([said_of(carried)] if carried else ()), *logs.notes, *notes_of(reports)),
+        notes=(*([ignored_note(carried)] if carried else ()), *logs.notes, *notes_of(reports)),
     )
 
 
