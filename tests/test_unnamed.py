@@ -49,7 +49,7 @@ def test_a_quantity_that_explains_much_less_is_no_tie(monkeypatch, its, tied):
         return Scored(found, squares)
 
     monkeypatch.setattr(unnamed, "scored", scored)
-    monkeypatch.setattr(unnamed, "most_first", lambda state, blocks, i, others: others)
+    monkeypatch.setattr(unnamed, "best_first", lambda state, blocks, i, others: others)
     monkeypatch.setattr(
         unnamed, "compared", lambda prepared, terms, law: SimpleNamespace(effects=terms)
     )

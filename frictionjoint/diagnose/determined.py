@@ -22,7 +22,7 @@ def undetermined(prepared: Prepared, fitted: Fit) -> dict[Term, float]:
     return {term: x for term, x in distances.items() if x < SURELY}
 
 
-def leaves_open(prepared: Prepared, fitted: Fit, i: int) -> bool:
+def position_is_open(prepared: Prepared, fitted: Fit, i: int) -> bool:
     """Whether the logs leave a position of the i-th effect open by half of their travel.
 
     So it is if no log reaches one of two end stops.

@@ -49,7 +49,7 @@ class Driven(NamedTuple):
     now: Scored
 
 
-def part_left(fitted: Fit) -> float:
+def share_left(fitted: Fit) -> float:
     """rms of a model's residual, divided by the rms of the drive in that model."""
     return fitted.drive_rms * fitted.error_unit / fitted.target_rms
 

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from frictionjoint.diagnose.candidate import Candidate, is_unnamed
-from frictionjoint.diagnose.determined import leaves_open
+from frictionjoint.diagnose.determined import position_is_open
 from frictionjoint.diagnose.drive import others_of_drive
 from frictionjoint.diagnose.finding import Finding, with_changed
 from frictionjoint.diagnose.gram import screen
@@ -56,7 +56,7 @@ def best_forms(state: State) -> bool:
             now = scored(state.fit, blocks)
             other = scored(_in_place_of(state, blocks, i, others)[1], blocks)
             if simpler:
-                open_end = as_good(other, now) and leaves_open(state.prepared, state.fit, i)
+                open_end = as_good(other, now) and position_is_open(state.prepared, state.fit, i)
                 taken = open_end or not now.better(other)
             else:
                 taken = other.better(now)
@@ -266,12 +266,12 @@ def _in_place_of(
     state: State, blocks: Blocks, i: int, others: list[Candidate]
 ) -> tuple[Candidate, Fit]:
     """The most promising candidate in place of the i-th effect, and the model with it."""
-    best = most_first(state, blocks, i, others)[0]
+    best = best_first(state, blocks, i, others)[0]
     terms = in_place(state.fit.effects, i, best.term)
     return best, compared(state.prepared, terms, state.fit.shape)
 
 
-def most_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -> list[Candidate]:
+def best_first(state: State, blocks: Blocks, i: int, others: list[Candidate]) -> list[Candidate]:
     """Candidates for replacing the i-th effect, most promising first."""
     seen = screen(state.fit, blocks, others)
     rest = [at for k, at in enumerate(seen.terms) if k != i]

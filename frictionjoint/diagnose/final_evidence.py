@@ -24,8 +24,8 @@ from frictionjoint.decisions import MOSTLY, SIGNIFICANCE, TIE
 from frictionjoint.diagnose.determined import undetermined
 from frictionjoint.diagnose.drop import drop_redundant
 from frictionjoint.diagnose.finding import Finding, finding_of
-from frictionjoint.diagnose.look_without import look_without
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked
+from frictionjoint.diagnose.one_missing import candidates_without
 from frictionjoint.diagnose.physical_bounds import exceeding_friction
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, as_good, improves, numbers_of, with_fewer, without
@@ -117,7 +117,7 @@ def _seen_alone(state: State, finding: Finding, rng: np.random.Generator) -> Fin
     their earlier evidence.
     """
     rest = replace(state, fit=without(state, finding.term))
-    _, seen = look_without(state, finding.term, rng)
+    _, seen = candidates_without(state, finding.term, rng)
     row = next((r for r in seen.rows if r.name == finding.term.name), None)
     if row is None:
         return finding

@@ -10,7 +10,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.decisions import LEAST_WARMING, SMALLEST_GAIN
 from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.columns import columns_of, signals_of
-from frictionjoint.diagnose.short_waves import nearly_curves, short_waves
+from frictionjoint.diagnose.short_waves import short_waves, waves_like_curves
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
 from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
@@ -116,7 +116,7 @@ def _with_waves(
     if not curves:  # where effects alone are wanted
         splines: list[Term] = _curves(prepared, signals, "position")
         curves = _candidates(prepared, fitted, signals, splines, [1.0] * len(splines))
-    nearly = {id(c) for c in nearly_curves(fitted, blocks, short, curves)}
+    nearly = {id(c) for c in waves_like_curves(fitted, blocks, short, curves)}
     return [c for c in made if id(c) not in nearly]
 
 

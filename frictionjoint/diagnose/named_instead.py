@@ -12,9 +12,9 @@ import numpy as np
 
 from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.diagnose.candidate import is_unnamed
-from frictionjoint.diagnose.choice import Tried, promises
-from frictionjoint.diagnose.look_without import look_without
+from frictionjoint.diagnose.choice import Tried, may_gain
 from frictionjoint.diagnose.moves import ALTERNATIVES, Move
+from frictionjoint.diagnose.one_missing import candidates_without
 from frictionjoint.diagnose.short_waves import short_waves
 from frictionjoint.diagnose.state import State
 
@@ -22,7 +22,7 @@ from frictionjoint.diagnose.state import State
 def named_instead(state: State, move: Move, rng: np.random.Generator) -> list[Move]:
     """The most promising changes with a named effect in place of each unnamed dependence.
 
-    Short waves are judged only when they are refitted, see `unlike_a_curve`.
+    Short waves are judged only when they are refitted, see `better_than_curve`.
 
     Args:
         state: after `move`, with its unnamed dependences and with the law fitted together with
@@ -31,17 +31,17 @@ def named_instead(state: State, move: Move, rng: np.random.Generator) -> list[Mo
     found: list[Move] = []
     for term in filter(is_unnamed, state.fit.effects):
         others = tuple(c for c in move.added if not c.unnamed or c.term.name != term.name)
-        bare, seen = look_without(state, term, rng)
+        bare, seen = candidates_without(state, term, rng)
         named = [r for r in seen.rows if not r.candidate.unnamed and r.p_value <= SIGNIFICANCE]
         instead = [
             Move((*bare.fit.effects, r.candidate.term), (*others, r.candidate), r.left, seen)
             for r in named[:ALTERNATIVES]
         ]
-        found += filter(promises, instead)
+        found += filter(may_gain, instead)
     return found
 
 
-def unlike_a_curve(instead: Sequence[Tried], curve: Tried) -> list[Tried]:
+def better_than_curve(instead: Sequence[Tried], curve: Tried) -> list[Tried]:
     """Refitted changes without short waves that do not predict better than the curve.
 
     Any smooth dependence resembles a part of a wave. But a curve has more numbers, so it follows

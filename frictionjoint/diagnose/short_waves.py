@@ -19,7 +19,7 @@ def short_waves(prepared: Prepared, candidates: Sequence[Candidate]) -> list[Can
     return [c for c in candidates if c.term.effect.is_wave and c.term.shape[0] < fewest]
 
 
-def nearly_curves(
+def waves_like_curves(
     fitted: Fit, blocks: Blocks, short: Sequence[Candidate], curves: Sequence[Candidate]
 ) -> list[Candidate]:
     """Short waves without half of the error of every free curve on unlike motion.

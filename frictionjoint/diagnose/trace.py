@@ -16,14 +16,14 @@ import numpy as np
 
 from frictionjoint.decisions import APART, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, promises, rivals_of
-from frictionjoint.diagnose.drive import look_at_drive, part_left
+from frictionjoint.diagnose.choice import Choice, Tried, beyond_chance, chosen, may_gain, rivals_of
+from frictionjoint.diagnose.drive import look_at_drive, share_left
 from frictionjoint.diagnose.drop import drop_redundant
 from frictionjoint.diagnose.exchange import best_forms, exchange_drive, try_other_effects
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.motion_check import Replayed
 from frictionjoint.diagnose.moves import Look, Move, Moves, look
-from frictionjoint.diagnose.named_instead import named_instead, unlike_a_curve
+from frictionjoint.diagnose.named_instead import better_than_curve, named_instead
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
 from frictionjoint.diagnose.outcome import finish_search
 from frictionjoint.diagnose.score import Scored, scored
@@ -186,7 +186,7 @@ def _of_drive(state: State, rng: np.random.Generator) -> list[str]:
     row = found.look.rows[0]
     enough = gain >= SMALLEST_GAIN and score.better(found.now)
     # less of a drive that hardly acts is left, and as much of it
-    lesser = part_left(score.fit) ** 2 <= (1.0 - SMALLEST_GAIN) * part_left(found.now.fit) ** 2
+    lesser = share_left(score.fit) ** 2 <= (1.0 - SMALLEST_GAIN) * share_left(found.now.fit) ** 2
     if not (enough and lesser) or is_small(term, score, found.now):
         return []
     # under the weights that it gives the logs there may be less that it explains
@@ -224,7 +224,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
     worth = [
         m
         for m in Moves(current, seen, screened, candidates).best()
-        if beyond_chance(m) and promises(m) and not state.refuses(m)
+        if beyond_chance(m) and may_gain(m) and not state.refuses(m)
     ]
     with side_by_side() as each:
         tried = list(each(attempt, worth))
@@ -329,7 +329,7 @@ def _rescreened(
         (_, before), *changes = list(each(begun, models))
     again = [Tried(m, *change) for m, change in zip(moves, changes, strict=True)]
     count = len(leaders)
-    return before, [*again[:count], *unlike_a_curve(again[count:], again[0])]
+    return before, [*again[:count], *better_than_curve(again[count:], again[0])]
 
 
 def _follow(state: State) -> bool:

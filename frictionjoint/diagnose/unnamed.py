@@ -4,7 +4,7 @@ In an arm that moves alone the load is a function of position, and no log distin
 """
 
 from frictionjoint.decisions import TIE
-from frictionjoint.diagnose.exchange import most_first
+from frictionjoint.diagnose.exchange import best_first
 from frictionjoint.diagnose.moves import ALTERNATIVES
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, compared, distinguishable
@@ -30,7 +30,7 @@ def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
     if not others:
         return {}
     best: dict[str, Term] = {}
-    for candidate in most_first(state, blocks, i, others):
+    for candidate in best_first(state, blocks, i, others):
         best.setdefault(candidate.term.name, candidate.term)
     now = scored(state.fit, blocks)
     rest = tuple(t for t in own if t is not term)

@@ -13,7 +13,7 @@ from frictionjoint.identify.search import Search
 from frictionjoint.identify.terms import Term, all_but
 
 
-def look_without(state: State, term: Term, rng: np.random.Generator) -> tuple[State, Look]:
+def candidates_without(state: State, term: Term, rng: np.random.Generator) -> tuple[State, Look]:
     """The state without one effect, and its candidates, as if only this effect were missing.
 
     The law and the shapes of the other effects stay as they are. Time offsets stay too: an offset
