@@ -20,7 +20,7 @@ from frictionjoint.robot.causes.catalogue import catalogue
 from frictionjoint.robot.causes.of_joint import JointOffset, RotorInertia
 from frictionjoint.robot.causes.payload import Payload
 from frictionjoint.robot.corrected_torque import Along
-from frictionjoint.robot.corrections import Corrections, Shaft, tendons_bend, write_corrections
+from frictionjoint.robot.corrections import Corrections, Shaft, tendon_polynomial, write_corrections
 
 JOINTS = ("j1", "j2", "j3")
 
@@ -89,7 +89,7 @@ def test_load_under_corrections_is_that_of_the_corrected_model(arm, logs, kind, 
 
 def test_a_shafts_torque_is_the_tendons(arm, logs):
     """All but Coulomb friction through MuJoCo's tendon; that is added to it."""
-    concave = 0.4 if tendons_bend() else 0.0
+    concave = 0.4 if tendon_polynomial() else 0.0
     even = Shaft(("j2", "j3"), -1.0, 2.0, level=0.3, viscous=0.2, concave=concave, inertia=0.05)
     wavy = replace(even, waves=7.0, sin=0.1, cos=-0.2)
     for joint, shaft in itertools.product(JOINTS, (even, wavy)):

@@ -16,7 +16,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import GEAR, LOAD, A, Q, V
 from frictionjoint.identify.rigid_body import RigidBody, direction
 from frictionjoint.identify.segment import Segment
-from frictionjoint.robot.corrections import Corrections, Shaft, levelling
+from frictionjoint.robot.corrections import Corrections, Shaft, concave_friction
 from frictionjoint.robot.kinematics import Trajectory, Tree
 from frictionjoint.robot.regressor import Regressor
 
@@ -128,7 +128,7 @@ class Along:
         turn, v, a = self.turn(shaft)
         way, angle = direction(v), shaft.waves * turn
         wave = [way * np.sin(angle), way * np.cos(angle)]
-        columns = np.column_stack([way, v, levelling(v, shaft.top), a, *wave])
+        columns = np.column_stack([way, v, concave_friction(v, shaft.top), a, *wave])
         return columns * shaft.per_turn(self.body.joint)
 
     def turn(self, shaft: Shaft) -> tuple[Array, Array, Array]:

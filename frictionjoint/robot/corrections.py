@@ -21,7 +21,7 @@ class Shaft:
         joints: names. ratio: of the second joint's angle to the first one's in the shaft's angle.
         top: speed above which its concave friction is constant, rad/s.
         level, viscous, concave, inertia: its friction, N m and N m s/rad, and its inertia, kg m^2,
-            seen from the first joint. The concave part is its slope at low speed, see `levelling`.
+            seen from the first joint; concave: its slope at low speed, see `concave_friction`.
         waves: angular frequency of the friction level along the shaft, 1/rad. sin, cos: of that
             wave, N m, at the shaft angle that the joints measure.
     """
@@ -62,7 +62,7 @@ class Shaft:
         return dict(zip(self.joints, (1.0, self.ratio), strict=True)).get(joint, 0.0)
 
 
-def levelling(velocity: Array, top: float) -> Array:
+def concave_friction(velocity: Array, top: float) -> Array:
     """Concave friction with slope 1 at rest, constant above the top speed, (n,).
 
     v - v|v| / top + v^3 / (3 top^2) up to the top speed; it never falls.
@@ -71,7 +71,7 @@ def levelling(velocity: Array, top: float) -> Array:
     return np.asarray(velocity * (1.0 - part + part**2 / 3.0))
 
 
-def tendons_bend() -> bool:
+def tendon_polynomial() -> bool:
     """Whether this MuJoCo has tendon damping that is a polynomial of speed."""
     return np.size(mujoco.MjSpec().add_tendon().damping) > 1
 
@@ -138,7 +138,7 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
             frictionloss=shaft.level,
             armature=shaft.inertia,
         )
-        tendon.damping = shaft.damping if tendons_bend() else shaft.viscous
+        tendon.damping = shaft.damping if tendon_polynomial() else shaft.viscous
         tendon.wrap_joint(shaft.joints[0], 1.0)
         tendon.wrap_joint(shaft.joints[1], shaft.ratio)
         if shaft.waves:

@@ -11,7 +11,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import FREE, POSITIVE, Cause
-from frictionjoint.robot.corrections import SHAFT_NUMBERS, Corrections, Shaft, tendons_bend
+from frictionjoint.robot.corrections import SHAFT_NUMBERS, Corrections, Shaft, tendon_polynomial
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class GearCoupling(Cause):
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Nonnegative losses and inertia; a wave of any phase."""
         # where a tendon's damping is one number a model cannot hold a curve
-        even = POSITIVE, POSITIVE, POSITIVE if tendons_bend() else (0.0, 0.0), POSITIVE
+        even = POSITIVE, POSITIVE, POSITIVE if tendon_polynomial() else (0.0, 0.0), POSITIVE
         return (*even, FREE, FREE) if self.shaft.waves else even
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
