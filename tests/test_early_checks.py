@@ -18,7 +18,7 @@ from frictionjoint.identify.search import refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.long_logs import bounded
+from frictionjoint.measured.long_logs import shortened
 from frictionjoint.measured.readers import read_log
 from frictionjoint.simulate.stick_slip import kuka_model
 from tests import leg
@@ -177,7 +177,7 @@ def test_measured_logs_pass_whatever_the_model_lacks(
     measured_data: Path, path: str, joint: str, model: str
 ) -> None:
     body = RigidBody(MODELS / model, joint)
-    prepared = prepare(bounded([read_log(measured_data / path, joint)]), body)
+    prepared = prepare(shortened([read_log(measured_data / path, joint)]), body)
     check(prepared)
     for inertia, load in ((0.5, 1.0), (1.5, 1.0), (1.0, 0.7), (1.0, 1.3)):
         check(altered(prepared, inertia, load))

@@ -9,7 +9,7 @@ import pytest
 from frictionjoint.errors import LogError
 from frictionjoint.measured.derivatives import speed_note
 from frictionjoint.measured.log import JointLog, split_at_gaps, split_in_time
-from frictionjoint.measured.long_logs import bounded
+from frictionjoint.measured.long_logs import shortened
 from frictionjoint.measured.readers import read_log
 
 N, DT = 400, 0.002
@@ -87,7 +87,7 @@ def test_a_log_is_split_at_a_gap(tmp_path: Path) -> None:
     )
     assert all(part.notes == ("log: a gap of 0.102 s at 0.3 s: split there.",) for part in parts)
     # what a fit takes is split in any case
-    assert [part.name for part in bounded([whole])] == [part.name for part in parts]
+    assert [part.name for part in shortened([whole])] == [part.name for part in parts]
 
 
 def test_stretches_too_short_between_gaps_are_left_out_and_said(tmp_path: Path) -> None:

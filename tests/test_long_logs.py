@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.long_logs import MOST_ROWS, LongLogWarning, bounded
+from frictionjoint.measured.long_logs import MOST_ROWS, LongLogWarning, shortened
 
 
 def log(n, dt=1e-3, frequency=0.5, name="long"):
@@ -23,13 +23,13 @@ def log(n, dt=1e-3, frequency=0.5, name="long"):
 
 def test_short_logs_are_left_alone():
     logs = [log(1000), log(2000)]
-    assert bounded(logs) == logs
+    assert shortened(logs) == logs
 
 
 def test_finely_sampled_log_is_averaged_and_keeps_its_motion():
     long = log(4 * MOST_ROWS, dt=1e-4)
     with pytest.warns(LongLogWarning, match="long: 400000 rows .* 4 samples averaged") as warned:
-        (short,) = bounded([long])
+        (short,) = shortened([long])
     assert len(warned) == 1
     assert len(short.time) == MOST_ROWS
     assert "4 samples averaged" in short.name
@@ -43,7 +43,7 @@ def test_finely_sampled_log_is_averaged_and_keeps_its_motion():
 def test_what_cannot_be_averaged_is_cut_and_said():
     long = log(3 * MOST_ROWS, dt=0.02, frequency=2.0)
     with pytest.warns(LongLogWarning, match=r"first \d+ s"):
-        (short,) = bounded([long])
+        (short,) = shortened([long])
     assert len(short.time) == MOST_ROWS
     assert np.array_equal(short.position, long.position[:MOST_ROWS])
 
@@ -51,7 +51,7 @@ def test_what_cannot_be_averaged_is_cut_and_said():
 def test_several_logs_share_the_room():
     logs = [log(MOST_ROWS, name="a"), log(3 * MOST_ROWS, name="b"), log(500, name="c")]
     with pytest.warns(LongLogWarning):
-        short = bounded(logs)
+        short = shortened(logs)
     assert sum(len(x.time) for x in short) <= MOST_ROWS + 1000
     assert short[2] is logs[2]
     assert len(short[1].time) > len(short[0].time)

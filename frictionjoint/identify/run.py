@@ -36,7 +36,7 @@ from frictionjoint.identify.result import (
 )
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.measured.log import JointLog
-from frictionjoint.measured.long_logs import bounded
+from frictionjoint.measured.long_logs import shortened
 from frictionjoint.parameter_meanings import meaning
 from frictionjoint.parameters import Friction
 from frictionjoint.threads import one_thread
@@ -114,7 +114,7 @@ def identify_law(
     forms_of(law)
     bodies = Bodies(model, joint, fixed)
     driven_by = controller_of(controller, joint, bodies.models)
-    read = bounded(list(logs))
+    read = shortened(list(logs))
     said = bodies.check(read, ())
     body = bodies.of(read)[0]
     if driven_by:

@@ -34,7 +34,7 @@ def corrupt(path: Path, error: Exception) -> LogError:
     return LogError(f"{path.name}: cannot be read, is it whole? ({one_line(error)})")
 
 
-def whole(name: str) -> str:
+def array_of(name: str) -> str:
     """Name of the array in ``q[0]``; other names are returned unchanged."""
     part = _PART.fullmatch(name)
     return part[1] if part else name
@@ -109,7 +109,7 @@ def mat_names(path: Path) -> list[str]:
 
 
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    wanted = sorted({whole(name) for name in names})
+    wanted = sorted({array_of(name) for name in names})
     try:
         level_5 = matlab.is_level_5(path)
         content = matlab.arrays(path, wanted) if level_5 else loadmat(path, variable_names=wanted)
@@ -159,6 +159,6 @@ def _opened_hdf5(path: Path) -> Any:
 
 def _columns(path: Path, names: Iterable[str], arrays: Any) -> dict[str, Array]:
     """Columns of arrays by name, or their named parts; an array may have such a name itself."""
-    sources = {x: x if x in arrays else whole(x) for x in names}
+    sources = {x: x if x in arrays else array_of(x) for x in names}
     used = {source: arrays[source] for source in {*sources.values()}}
     return {name: column(path, name, used[x], x) for name, x in sources.items()}

@@ -107,7 +107,7 @@ def one_joint(source: str, joints: Sequence[str], joint: str | None) -> str:
     raise LogError(f"{source}: {what} {_list(joints)}")
 
 
-def options(
+def column_options(
     source: str, columns: Mapping[str, str] | None, names: Sequence[str], kind: str
 ) -> list[str | None]:
     """What ``--column`` says of a kind of log without a table of columns, in the order of names;

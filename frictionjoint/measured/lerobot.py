@@ -20,7 +20,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import parquet
 from frictionjoint.measured.arrays import one_line
-from frictionjoint.measured.columns import one_joint, options
+from frictionjoint.measured.columns import column_options, one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import ReadOptions, log_of
 from frictionjoint.measured.units import check_units, unit_of
@@ -47,7 +47,7 @@ def read_lerobot(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
         LogError: not a data set, no such episode or joint, no unit, or see `validate`.
     """
     folder, numbered = episode_of(path)
-    unit, episode = options(path.name, how.columns, ("unit", "episode"), "a data set")
+    unit, episode = column_options(path.name, how.columns, ("unit", "episode"), "a data set")
     units = dict(how.units)
     if unit is not None:
         units.setdefault("position", unit)

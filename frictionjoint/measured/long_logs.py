@@ -24,7 +24,7 @@ class LongLogWarning(UserWarning):
     """A log was averaged or cut."""
 
 
-def bounded(logs: Sequence[JointLog]) -> list[JointLog]:
+def shortened(logs: Sequence[JointLog]) -> list[JointLog]:
     """The logs, split at gaps and shortened to `MOST_ROWS` in total; their names say how, and a
     LongLogWarning for each. LogError: see `split_at_gaps`."""
     logs = [part for log in logs for part in split_at_gaps(log)]

@@ -18,7 +18,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import opened_npz
-from frictionjoint.measured.columns import one_joint, options
+from frictionjoint.measured.columns import column_options, one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import ReadOptions, log_of
 from frictionjoint.measured.torch_file import read_tensors
@@ -92,7 +92,7 @@ def joints_of_rollout(path: Path, columns: Mapping[str, str] | None) -> list[str
 
 
 def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
-    given, world = options(path.name, columns, ("joints", "world"), "a rollout")
+    given, world = column_options(path.name, columns, ("joints", "world"), "a rollout")
     arrays, written = _arrays(path)
     arrays = {name: x.squeeze(-1) if x.shape[-1:] == (1,) else x for name, x in arrays.items()}
     found = {

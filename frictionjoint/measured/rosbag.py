@@ -21,7 +21,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import corrupt, part_of
-from frictionjoint.measured.columns import HINGE, KNOWN, SLIDE, one_joint, options
+from frictionjoint.measured.columns import HINGE, KNOWN, SLIDE, column_options, one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import ReadOptions, log_of
 
@@ -58,7 +58,7 @@ def read_rosbag(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     if any(name in (*KNOWN, "time_s") for name in mapping if mapping[name] != "position"):
         return _read_fields(path, joint, mapping, only)
     known = ("topic", "command", "joints", "position_m")
-    *topics, position = options(path.name, mapping, known, "a bag")
+    *topics, position = column_options(path.name, mapping, known, "a bag")
     slide = position == "position"
     samples = _by_joint(path, *topics)
     joint = one_joint(path.name, sorted(samples), joint)

@@ -212,7 +212,7 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
         return parquet.column_names(path)
     names = reader[0](path)
     asked = dict.fromkeys((columns or {}).values())
-    return [*names, *(x for x in asked if x not in names and arrays.whole(x) in names)]
+    return [*names, *(x for x in asked if x not in names and arrays.array_of(x) in names)]
 
 
 def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:

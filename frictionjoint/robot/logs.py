@@ -11,7 +11,7 @@ from frictionjoint.errors import LogError, ModelError, NoMotionError, few
 from frictionjoint.identify.matching import joints_to_explain
 from frictionjoint.identify.segment import Segment
 from frictionjoint.measured.log import JointLog, split_each_in_time
-from frictionjoint.measured.long_logs import bounded
+from frictionjoint.measured.long_logs import shortened
 from frictionjoint.measured.readers import read_log
 from frictionjoint.measured.validate import require_motion
 from frictionjoint.model_files import compile_model
@@ -116,7 +116,7 @@ class RobotLogs:
         if fraction is not None:
             own, ends = split_each_in_time(own, fraction)
             held_out = [*held_out, *ends]
-        self.fit[joint], self.held_out[joint] = bounded(own), bounded(held_out)
+        self.fit[joint], self.held_out[joint] = shortened(own), shortened(held_out)
 
     @property
     def notes(self) -> tuple[str, ...]:
