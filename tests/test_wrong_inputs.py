@@ -1,4 +1,4 @@
-"""What a stranger gets wrong: one line that names it and the mend, exit code 2, nothing written.
+"""Wrong input: one line that names it and the fix, exit code 2, nothing written.
 
 Every case goes through the command line and through Python. The gate stands before any fit, so that
 each answers in a second.

@@ -116,7 +116,7 @@ def others_of_drive(prepared: Prepared, fitted: Fit, i: int) -> list[Fit]:
     forms = [term for _, term in best if term.name == own[i].name]
     forms.sort(key=lambda term: DRIVE_EFFECTS.index(term.effect))
     others = [term for _, term in best if term.name != own[i].name]
-    # forms are told apart by less than effects are: by all that each can explain
+    # forms differ by less than effects do: compare them by all that each can explain
     found = [(term, CLOSE) for term in forms]
     found += [(term, ROUGH) for term in others[: _LEADERS - 1]]
     return [

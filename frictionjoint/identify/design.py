@@ -71,7 +71,7 @@ class Balance:
         self._each(partial(self._unit_moves, law))
 
     def _each(self, make: Callable[[Bundle], Array]) -> list[Array]:
-        """What is made of each part of the logs, side by side."""
+        """Result of a function for each part of the logs, in parallel."""
         with side_by_side() as each:
             return list(each(make, self._parts))
 

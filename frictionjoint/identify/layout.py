@@ -112,7 +112,7 @@ def layout_of(prepared: Prepared, law: Shape, terms: tuple[Term, ...]) -> Layout
     damped = law.damped and (not voltage or any(t.effect.opposes_voltage for t in terms))
     used = {
         "load": prepared.gain_unknown,
-        "sigma2": prepared.let_go or not voltage,
+        "sigma2": prepared.motor_off or not voltage,
         "Fc": True,
         "sigma1": damped,
     }

@@ -63,8 +63,8 @@ def _check_repeats(logs: Sequence[JointLog], held_out: Sequence[JointLog]) -> No
             if np.array_equal(log.time, other.time) and np.array_equal(
                 log.position, other.position
             ):
-                mend = "hold out another log" if i >= len(logs) else "give it once"
-                raise LogError(f"{log.name}: the same samples as {other.name}: {mend}")
+                fix = "hold out another log" if i >= len(logs) else "give it once"
+                raise LogError(f"{log.name}: the same samples as {other.name}: {fix}")
 
 
 def _check_range(log: JointLog, body: RigidBody) -> None:

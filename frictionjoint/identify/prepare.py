@@ -93,8 +93,8 @@ def prepare(
     else:
         found = segments(band, motions(band.motion, band.zero_order_hold))
     free = any(bool(np.any(s.mask & ~s.driven)) for s in found)
-    let_go = free and drives[0] == "voltage"
-    return Prepared(found, body.joint, bool(body.slide), drives[0], band, let_go=let_go)
+    motor_off = free and drives[0] == "voltage"
+    return Prepared(found, body.joint, bool(body.slide), drives[0], band, motor_off=motor_off)
 
 
 def _may_be_held(segments: Sequence[Segment], band: Band) -> bool:

@@ -161,7 +161,7 @@ class Prepared:
 
     Attributes:
         drive: kind of drive in the logs. The torque per voltage or current is an unknown gain.
-        let_go: whether some samples are of a voltage-driven joint with its motor off: there viscous
+        motor_off: whether a voltage-driven joint has its motor off in some samples: there viscous
             friction acts without back-EMF, so that the two can be distinguished.
         nothing: names of time offsets that are assumed to be zero: see `starts.with_times`, or
             because an inertia error was found in these logs.
@@ -175,7 +175,7 @@ class Prepared:
     slide: bool
     drive: Drive
     band: Band
-    let_go: bool = False
+    motor_off: bool = False
     nothing: frozenset[str] = frozenset()
     slow: bool = False
     least_level: float = LEAST_LEVEL

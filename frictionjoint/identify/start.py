@@ -186,8 +186,8 @@ class Prediction(NamedTuple):
 @lru_cache(maxsize=8)
 def predict(prepared: Prepared, fitted: Fit) -> Prediction:
     """Prediction of a fit for logs, without refitting; their initial states are estimated."""
-    # the model's columns are those of the logs it was fitted to, let go or not
-    like = replace(prepared, let_go=prepared.voltage_driven and "sigma2" in fitted.names)
+    # the model's columns are those of the logs it was fitted to, powered off in parts or not
+    like = replace(prepared, motor_off=prepared.voltage_driven and "sigma2" in fitted.names)
     begun = with_starts(like, fitted)
     balance = Balance(begun, fitted.shape, fitted.terms)
     X, y = balance.columns(fitted.shape, fitted.terms, fitted.beta)

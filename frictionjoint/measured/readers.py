@@ -56,7 +56,7 @@ def read_log(
     Returns:
         the log; its notes state what was repaired. Gaps stay in it.
     Raises:
-        LogError: one line that names the file, the row or column, and the mend.
+        LogError: one line that names the file, the row or column, and the fix.
         TypeError: not a path, or not names.
     """
     expect(path, (str, Path), "log", "give the path of a file, or a JointLog")

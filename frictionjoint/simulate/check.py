@@ -14,7 +14,7 @@ from frictionjoint.simulate.assumption_text import assumed
 from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.idle_warning import callback_is_off
 from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
-from frictionjoint.simulate.native_friction import MEND, native_friction, tendon_friction
+from frictionjoint.simulate.native_friction import CLEAR, native_friction, tendon_friction
 
 
 def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
@@ -54,7 +54,7 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
             )
         outside += _springs_outside(model.opt.timestep, inverse, carried)
         if name in native:
-            outside.append(f"friction counts twice, with MuJoCo's own {native[name]}: {MEND}")
+            outside.append(f"friction counts twice, with MuJoCo's own {native[name]}: {CLEAR}")
         try:
             require_flags(model, name)
         except ModelError as error:

@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.model_files import compiled_copy
 
-MEND = "clear it with `frictionjoint install --clear-native`, or install(..., clear_native=True)"
+CLEAR = "clear it with `frictionjoint install --clear-native`, or install(..., clear_native=True)"
 
 
 def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, str]:
@@ -88,7 +88,7 @@ def _has_springdamper(joint: mujoco.MjsJoint) -> bool:
 def counts_twice(found: dict[str, str]) -> str:
     """Sentence of a message that native friction would count twice."""
     joints = "; ".join(f"{name!r} has {words}" for name, words in found.items())
-    return f"friction counts twice where native friction acts too: joint {joints}: {MEND}"
+    return f"friction counts twice where native friction acts too: joint {joints}: {CLEAR}"
 
 
 def _words(loss: float, damping: Iterable[float]) -> str:
