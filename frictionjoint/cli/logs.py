@@ -251,7 +251,7 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
     fitted. LogError if a folder contains none, one is both fitted and held out, or two fractions
     are given."""
     from frictionjoint.measured.readers import log_files
-    from frictionjoint.measured.table import TABLES
+    from frictionjoint.measured.table import TABLES, is_text
 
     joined: dict[Path, list[Path]] = {}
 
@@ -261,7 +261,9 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
         folders = [path for path in paths if path.is_dir()]
         loose = [path for path in paths if not path.is_dir()]
         for folder in folders:
-            joined[folder] = sorted(x for x in folder.iterdir() if x.suffix.lower() in TABLES)
+            inside = sorted(folder.iterdir())
+            tables = [x for x in inside if x.suffix.lower() in TABLES]
+            joined[folder] = tables or list(filter(is_text, inside))
         if loose:
             joined[loose[0]] = loose
         return folders + loose[:1]
