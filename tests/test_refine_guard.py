@@ -84,7 +84,7 @@ def test_what_is_left_out_is_predicted_by_the_rest_alone():
     assert np.mean(np.abs(line.errors(z)[mask])) < 0.5 * 0.7
 
 
-def test_a_refined_model_is_taken_where_logs_left_out_say_so_beyond_their_scatter():
+def test_errors_are_clearly_less_beyond_their_scatter():
     before = np.array([1.0, 1.2, 0.8, 1.1])
     assert clearly_less(0.8 * before, before)
     assert not clearly_less(before + np.array([-0.5, 0.3, -0.3, 0.45]), before)

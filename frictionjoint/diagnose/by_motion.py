@@ -10,7 +10,6 @@ error.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.rounding import rounded
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, Term
@@ -34,9 +34,9 @@ from frictionjoint.identify.weights import reweighed
 from frictionjoint.refine.guard import clearly_less
 from frictionjoint.refine.motion import LONGEST_WINDOW_S
 from frictionjoint.refine.objective import Objective
-from frictionjoint.refine.refine import Refined, judged, refine
+from frictionjoint.refine.refine import Refined, judged, on_whole_logs, on_windows, refine
 from frictionjoint.refine.secant import differences
-from frictionjoint.refine.tried import Tried, tried
+from frictionjoint.refine.tried import Tried
 from frictionjoint.refine.vector import Vector, with_term
 from frictionjoint.replay.closed_loop import Course
 from frictionjoint.replay.free_runs import simulated_whole
@@ -70,8 +70,8 @@ def _with_supported_effects(
         for fitted, coefficients in _promising(found, now, courses, armature):
             prepared, fitted = reweighed(found.prepared, fitted)
             term = fitted.effects[-1]
-            other = _tried(prepared, fitted, courses, armature, partial(_begin, now, coefficients))
-            part = error_removed(other, now) / float(np.mean(now.found.near_fitted**2))
+            other = _near(prepared, fitted, courses, armature, now, coefficients)
+            part = error_removed(other, now) / float(np.mean(now.near.fitted**2))
             progress(f"checking {term.name} by the simulated motion: error down by {part:.0%}")
             if not is_large(other, now, courses):
                 continue
@@ -85,7 +85,7 @@ def _with_supported_effects(
         if best is None:
             break
         own, prepared, chosen = best
-        now = judged(prepared, chosen, courses)
+        now = judged(prepared, chosen, on_whole_logs(chosen, courses), courses)
         pairs = zip(found.findings, own.fit.effects, strict=False)
         findings = (*(replace(f, term=t) for f, t in pairs), own)
         found = replace(found, prepared=prepared, final=own.fit, findings=findings)
@@ -105,37 +105,35 @@ def _with_armature(
     terms = (*found.final.effects, EffectTerm(ARMATURE))
     prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)
     progress("refining the armature")
-    begin = partial(_begin, now, np.zeros(1))
-    other = _tried(prepared, fitted, courses, now.found.vector.armature, begin)
-    asked = clearly_less(other.near, now.found.near)
-    if not (asked and clearly_less(other.left_out, now.left_out)):
+    near = _near(prepared, fitted, courses, now.found.vector.armature, now, np.zeros(1))
+    if not clearly_less(near.left_out, now.near.left_out):
         return now
-    return Refined(other, now.before, taken=True)
+    other = on_whole_logs(near, courses)
+    if not clearly_less(other.left_out, now.left_out):
+        return now
+    return Refined(near, other, now.before, taken=True)
 
 
-def _tried(
+def _near(
     prepared: Prepared,
     fitted: Fit,
     courses: Sequence[Course],
     armature: float,
-    begin: Callable[[Vector], list[Array]],
+    now: Refined,
+    coefficients: Array,
 ) -> Tried:
-    vector = Vector(prepared, fitted, stated_covariance(prepared, fitted), armature)
-    return tried(vector, courses, begin(vector))
-
-
-def _begin(now: Refined, coefficients: Array, vector: Vector) -> list[Array]:
-    """Two starting points for a model with one more effect.
+    """A model with one more effect, refined on windows from two starting points.
 
     The first is the fit to torque. The second is the refined model with the new effect added.
 
     Args:
         coefficients: of the new effect, which is the last one, N m.
     """
-    x = vector.carried(now.found.vector, now.found.values)
+    vector = Vector(prepared, fitted, stated_covariance(prepared, fitted), armature)
+    x = vector.carried(now.near.vector, now.near.values)
     new = vector.fitted.terms.index(vector.fitted.effects[-1])
     x[vector.layout.coefficients(new)] = coefficients
-    return [vector.start, np.clip(x, vector.low, vector.high)]
+    return on_windows(vector, courses, [vector.start, np.clip(x, vector.low, vector.high)])
 
 
 def held_out_evidence(term: Term, other: Tried, now: Refined) -> Look:
@@ -144,7 +142,7 @@ def held_out_evidence(term: Term, other: Tried, now: Refined) -> Look:
     It comes from windows that start at the measured motion. In a simulation of a whole log, a joint
     that sticks once too early stays at another position, and a single such log would decide.
     """
-    own, without = other.near, now.found.near
+    own, without = other.left_out, now.near.left_out
     p_value = sign_flips(without - own, np.random.default_rng(0))
     better = float(np.mean(own < without))
     row = Looked(without_columns(term), own**2, p_value, better)
@@ -157,7 +155,7 @@ def error_removed(other: Tried, now: Refined) -> float:
     The models were fitted to all logs: without a kind of logs, both would lose parameters that only
     this kind determines, which would hide what the effect removes.
     """
-    return float(np.mean(now.found.near_fitted**2 - other.near_fitted**2))
+    return float(np.mean(now.near.fitted**2 - other.fitted**2))
 
 
 def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
@@ -167,7 +165,7 @@ def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
     """
     nearer = error_removed(other, now)
     count = np.mean([course.run.block[COUNT] ** 2 for course in courses])
-    return nearer >= max(SMALLEST_GAIN * float(np.mean(now.found.near_fitted**2)), float(count))
+    return nearer >= max(SMALLEST_GAIN * float(np.mean(now.near.fitted**2)), float(count))
 
 
 def _promising(
@@ -181,7 +179,7 @@ def _promising(
     values, as in the torque balance with the effect.
     """
     prepared, final = found.prepared, found.final
-    objective = Objective(now.found.vector, courses, LONGEST_WINDOW_S, now.found.values)
+    objective = Objective(now.near.vector, courses, LONGEST_WINDOW_S, now.near.values)
 
     def squares(fitted: Fit) -> float:
         return float(np.sum(objective.soft(np.concatenate(objective.errors_of(fitted))) ** 2))
@@ -225,8 +223,8 @@ def _first_order_gains(
 ) -> list[tuple[EffectTerm, Array]]:
     """Effects that reduce the squared error of the refined motion to first order, and their
     coefficients, N m."""
-    x = now.found.values
-    fitted = now.found.vector.fit(x)
+    x = now.near.values
+    fitted = now.near.vector.fit(x)
     z = objective.units(x)
     r = objective(z)
     J = differences(objective, objective.bounds, z, r)
@@ -261,7 +259,7 @@ def _changed(
         if not np.all(np.isfinite(size)) or np.any(size == 0.0):
             continue
         # a difference moves the torque by 1% of its rms
-        steps = 0.01 * fitted.target_rms / size
+        steps = rounded(0.01 * fitted.target_rms / size)
         moved = [with_term(prepared, fitted, term, step) for step in np.diag(steps)]
         if all(simulated_whole(f, armature, in_closed_loop=True) for f in moved):
             yield term, moved, steps

@@ -40,3 +40,10 @@ def best_of(items: Sequence[_T], cost: Callable[[_T], float]) -> _T:
 def first_least(costs: Array) -> Index:
     """First row with the smallest cost in each column, shape (m,), of costs >= 0, shape (k, m)."""
     return np.asarray(np.argmax(costs <= costs.min(axis=0) * (1.0 + EQUAL), axis=0))
+
+
+def rounded(x: Array) -> Array:
+    """Numbers with six significant digits, which a fit has on every machine."""
+    known = np.isfinite(x) & (x != 0.0)
+    places = 5.0 - np.floor(np.log10(np.abs(x, where=known, out=np.ones_like(x))))
+    return np.where(known, np.rint(x * 10.0**places) / 10.0**places, x)

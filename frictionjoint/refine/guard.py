@@ -220,13 +220,18 @@ def _by_log(x: NDArray[Any], courses: Sequence[Course]) -> list[NDArray[Any]]:
     return np.split(x, np.cumsum([len(c.position) for c in courses])[:-1], axis=-1)
 
 
-def clearly_less(after: Array, before: Array) -> bool:
-    """Whether errors of logs are smaller by more than a paired standard error of their mean.
+def gains(after: Array, before: Array) -> Array:
+    """Logarithm of the ratio by which the error of each log decreased, shape (logs,).
 
     Their ratios count: where a model does not hold, as beyond a limit of the drive that the other
     logs do not reach, errors are large and say nothing about the motion in which it does.
     """
-    gained = np.log(np.maximum(before, _LEAST) / np.maximum(after, _LEAST))
+    return np.log(np.maximum(before, _LEAST) / np.maximum(after, _LEAST))
+
+
+def clearly_less(after: Array, before: Array) -> bool:
+    """Whether errors of logs decreased by more than the standard error of their mean gain."""
+    gained = gains(after, before)
     return bool(gained.sum() > np.std(gained) * np.sqrt(len(gained)))
 
 

@@ -13,6 +13,8 @@ from frictionjoint.replay.closed_loop import Course
 
 # steps of a search by simulation
 MOST_STEPS = 10
+# decimals of the numbers that are simulated, in units of the prior, see `Vector`
+_DECIMALS = 5
 
 
 class Objective:
@@ -45,8 +47,8 @@ class Objective:
         return np.asarray((x - self.vector.start) / self.vector.unit)
 
     def numbers(self, z: Array) -> Array:
-        """Inverse of `units`, clipped to the bounds against rounding."""
-        x = self.vector.start + z * self.vector.unit
+        """Inverse of `units`, rounded, and clipped to the bounds."""
+        x = self.vector.start + np.round(z, _DECIMALS) * self.vector.unit
         return np.clip(x, self.vector.low, self.vector.high)
 
     @property

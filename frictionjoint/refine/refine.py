@@ -10,8 +10,9 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.refine.guard import balanced_without_each, clearly_less, of_logs
-from frictionjoint.refine.tried import Tried, by_windows, tried
+from frictionjoint.refine.guard import balanced_without_each, gains, of_logs
+from frictionjoint.refine.motion import LONGEST_WINDOW_S, errors
+from frictionjoint.refine.tried import Tried, tried
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import Course
 
@@ -24,13 +25,15 @@ class Refined:
     """A refinement, and the decision to use it.
 
     Attributes:
-        found: the refined numbers and their evidence.
+        near: numbers refined on windows of the logs, and their evidence.
+        found: numbers refined on whole logs, and their evidence.
         before: mean absolute error of each log, see `guard.of_logs`, of models fitted to the torque
             of other kinds of logs, rad (m), shape (logs,); `found.left_out` is that of the refined
             ones.
-        taken: whether the refined model is used, because it clearly predicts unlike motion better.
+        taken: whether the refined model is used, because it predicts unlike motion better.
     """
 
+    near: Tried
     found: Tried
     before: Array
     taken: bool
@@ -66,11 +69,35 @@ def refine(
     cov = stated_covariance(prepared, fitted)
     begins = [fitted, *without_stribeck(prepared, fitted)]
     armature = courses[0].run.load.armature
+    progress(f"refining by simulation of {LONGEST_WINDOW_S:g} s")
     vectors = [Vector(prepared, fitted, cov, armature, each) for each in begins]
-    vector, x = by_windows(vectors, courses, progress)
-    found = tried(vector, courses, [x], progress)
+    near = _nearest([on_windows(v, courses, [v.start]) for v in vectors], courses)
+    progress("refining by simulation of whole logs")
+    found = on_whole_logs(near, courses)
     progress("checking the refinement on logs left out")
-    return judged(prepared, found, courses)
+    return judged(prepared, near, found, courses)
+
+
+def on_windows(vector: Vector, courses: Sequence[Course], starts: Sequence[Array]) -> Tried:
+    """A model refined on windows of the logs."""
+    return tried(vector, courses, LONGEST_WINDOW_S, starts)
+
+
+def on_whole_logs(near: Tried, courses: Sequence[Course]) -> Tried:
+    """The same model refined on whole logs; itself where a measured drive allows windows only."""
+    if courses[0].window_s is not None:
+        return near
+    return tried(near.vector, courses, None, [near.values])
+
+
+def _nearest(models: Sequence[Tried], courses: Sequence[Course]) -> Tried:
+    """The model with the smallest error on whole logs."""
+
+    def error(model: Tried) -> float:
+        found = errors(courses, model.vector.fit(model.values), None)
+        return float(np.mean(np.abs(np.concatenate(found))))
+
+    return min(models, key=error)
 
 
 def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
@@ -88,8 +115,9 @@ def without_stribeck(prepared: Prepared, fitted: Fit) -> list[Fit]:
     return [refit(prepared, fitted.terms, level, ROUGH, 1)]
 
 
-def judged(prepared: Prepared, found: Tried, courses: Sequence[Course]) -> Refined:
+def judged(prepared: Prepared, near: Tried, found: Tried, courses: Sequence[Course]) -> Refined:
     """Refined numbers compared with the torque fit they started from."""
     left = balanced_without_each(prepared, found.vector.fitted, courses, found.masks)
     before = of_logs(left, courses)
-    return Refined(found, before, clearly_less(found.left_out, before))
+    taken = bool(np.mean(gains(found.left_out, before)) > 0.0)
+    return Refined(near, found, before, taken)

@@ -2,10 +2,10 @@
 
 Windows come first: short runs from the measured motion are smooth in the parameters. A whole log is
 not, because a joint that sticks once too early stays at another position for the rest of it. Whole
-logs come last, because they are used for the comparison.
+logs come last, because they are what a user will simulate.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property, partial
 
 import numpy as np
@@ -17,12 +17,10 @@ from frictionjoint.refine.guard import (
     kinds,
     missing_width,
     of_logs,
-    on_each,
     spread,
     uncertain,
     without_each,
 )
-from frictionjoint.refine.motion import LONGEST_WINDOW_S
 from frictionjoint.refine.objective import MOST_STEPS, Objective
 from frictionjoint.refine.secant import Secant
 from frictionjoint.refine.vector import Vector
@@ -36,11 +34,9 @@ class Tried:
         vector, values: the numbers, shape (p,).
     """
 
-    def __init__(
-        self, vector: Vector, windows: Objective, objective: Objective, values: Array, J: Array
-    ) -> None:
+    def __init__(self, vector: Vector, objective: Objective, values: Array, J: Array) -> None:
         self.vector, self.values = vector, values
-        self._windows, self._objective = windows, objective
+        self._objective = objective
         self._z, self._J = objective.units(values), J
 
     @cached_property
@@ -53,22 +49,15 @@ class Tried:
         return without_each(self._objective, self._z, self._J, self.masks)
 
     @cached_property
-    def near(self) -> Array:
-        """Error of each log in windows, of the model fitted to other kinds."""
-        found = on_each(self._windows, self._without[0], self.masks)
-        return of_logs(found, self._windows.courses)
-
-    @cached_property
-    def near_fitted(self) -> Array:
-        """Error of each log in windows, of the model fitted to all of them, rad (m), shape
-        (logs,)."""
-        found = self._windows.errors_of(self.vector.fit(self.values))
-        return np.array([np.mean(np.abs(e)) for e in found])
-
-    @cached_property
     def left_out(self) -> Array:
-        """Error of each whole log, of the model fitted to other kinds, rad (m), shape (logs,)."""
+        """Error of each log, of the model fitted to other kinds, rad (m), shape (logs,)."""
         return of_logs(self._without[1], self._objective.courses)
+
+    @cached_property
+    def fitted(self) -> Array:
+        """Error of each log, of the model fitted to all of them, rad (m), shape (logs,)."""
+        found = self._objective.errors_of(self.vector.fit(self.values))
+        return np.array([np.mean(np.abs(e)) for e in found])
 
     @cached_property
     def cov(self) -> Array:
@@ -81,43 +70,20 @@ class Tried:
 
 
 def tried(
-    vector: Vector,
-    courses: Sequence[Course],
-    starts: Sequence[Array],
-    progress: Callable[[str], None] = lambda text: None,
+    vector: Vector, courses: Sequence[Course], window_s: float | None, starts: Sequence[Array]
 ) -> Tried:
     """Search the numbers of a model with the smallest position error.
 
     Args:
-        starts: numbers to start from on whole logs.
+        window_s: s between restarts from the measured motion; None: whole logs.
+        starts: numbers to start from.
     """
-    windows = Objective(vector, courses, LONGEST_WINDOW_S, vector.start)
-    objective = Objective(vector, courses, None, starts[0])
-    progress(f"refining by simulation of whole logs, error {1e3 * objective.size:.3g} mrad")
+    objective = Objective(vector, courses, window_s, starts[0])
     costs = [_cost(objective, start) for start in starts]
     # starts nearly as good as the best one
     some = [x for x, cost in zip(starts, costs, strict=True) if cost <= 1.25 * min(costs)]
     x, J = min([_search(objective, x) for x in some], key=lambda end: _cost(objective, end[0]))
-    return Tried(vector, windows, objective, x, J)
-
-
-def by_windows(
-    vectors: Sequence[Vector], courses: Sequence[Course], progress: Callable[[str], None]
-) -> tuple[Vector, Array]:
-    """The model with the smallest error on whole logs, of models refined on windows, and its
-    numbers.
-    """
-    found = []
-    for vector in vectors:
-        windows = Objective(vector, courses, LONGEST_WINDOW_S, vector.start)
-        progress(
-            f"refining by simulation of {LONGEST_WINDOW_S:g} s, error {1e3 * windows.size:.3g} mrad"
-        )
-        x, _ = _search(windows, vector.start)
-        whole = Objective(vector, courses, None, x)
-        found.append((float(np.mean(np.abs(whole.errors(whole.units(x))))), vector, x))
-    _, vector, x = min(found, key=lambda one: one[0])
-    return vector, x
+    return Tried(vector, objective, x, J)
 
 
 def _cost(objective: Objective, x: Array) -> float:

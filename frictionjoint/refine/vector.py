@@ -9,6 +9,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import LOAD, inertia_of
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
+from frictionjoint.identify.rounding import rounded
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.identify.timing import DriveTiming, Timing
@@ -40,7 +41,9 @@ class Vector:
             in the order of its Jacobian. armature: of the MJCF: the sum is never negative.
         begin: a fit with the same structure as the start; None: `fitted`.
     Attributes:
-        start: start of the search, shape (p,). low, high: bounds. unit: of the prior.
+        start: start of the search, shape (p,). low, high: bounds. unit: of the prior. All are
+            rounded: a simulation in which a joint sticks is not continuous, and a search would
+            carry the last bit of a fit into the second digit of its result.
     """
 
     def __init__(
@@ -50,8 +53,8 @@ class Vector:
         self.fitted = fitted
         self.layout = fitted.layout
         self.has_gain = "load" in fitted.names
-        self.low, self.high = self._bounds(prepared)
-        self.start = self._of(begin or fitted)
+        self.low, self.high = (rounded(x) for x in self._bounds(prepared))
+        self.start = rounded(self._of(begin or fitted))
         error = np.sqrt(np.maximum(np.diag(cov), 0.0))
         error[: self.layout.linear.stop] *= fitted.gain
         if self.has_gain:
@@ -82,6 +85,7 @@ class Vector:
                 at = self.layout.numbers(i)
                 # s: a simulation in steps of 1 ms holds a torque for half a step on average
                 self.unit[at] = np.maximum(self.unit[at], 0.5e-3)
+        self.unit = rounded(self.unit)
 
     def _of(self, fitted: Fit) -> Array:
         """Numbers of a fit with this structure, within the bounds, shape (p,)."""
