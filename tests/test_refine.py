@@ -39,8 +39,7 @@ def case():
     off[0] += 0.15
     off[-2] *= 0.67
     fitted = vector.fit(off)
-    # the same fit, but for the last bits, as on another processor
-    again = vector.fit(off * (1.0 + 1e-13))
+    again = vector.fit(off * (1.0 + 1e-13))  # as on another processor
     return fitted, *(refine(prepared, f, courses) for f in (fitted, again)), other
 
 
