@@ -5,14 +5,13 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from arms.arm import hide_mass, random_arm
+from arms.arm import random_arm
 from arms.fitted import joint_logs
 
 from frictionjoint.errors import LogError
 from frictionjoint.identify.matching import joints_to_explain
 from frictionjoint.measured.readers import joints_with_drive
 from frictionjoint.robot.close_loop import Options, close_loop_robot
-from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.logs import RobotLogs
 
 COLUMNS = {
@@ -29,10 +28,8 @@ def write(path, still: str = "", columns=COLUMNS) -> str:
         for name in names:
             x = np.sin((i + 1.0) * time)
             table[f"{joint}.{name}"] = 0.0 * x if joint == still and "position" in name else x
-    np.savetxt(
-        path, np.column_stack(list(table.values())), delimiter=",", header=",".join(table),
-        comments="",
-    )  # fmt: skip
+    rows = np.column_stack(list(table.values()))
+    np.savetxt(path, rows, delimiter=",", header=",".join(table), comments="")
     return str(path)
 
 
@@ -102,15 +99,19 @@ def test_joints_recorded_one_after_the_other_have_each_the_logs_in_which_they_mo
     )
 
 
-def test_a_wrong_sign_is_refused_before_any_cause_is_sought():
-    """It would be one: with masses three times the model's the other joints' logs are in order."""
-    arm = random_arm(31, 2)
-    hide_mass(arm, "link2", 3.0)
-    (right,) = joint_logs(arm, (1,), 6.0)["j2"]
-    first_fit([right], arm.believed, "j2", None)
-    wrong = replace(right, torque=-right.torque)
-    with pytest.raises(LogError, match="wrong sign of position or torque"):
-        first_fit([wrong], arm.believed, "j2", None)
+def test_other_joints_have_a_result_only_next_to_a_torque_with_the_wrong_sign():
+    arm = random_arm(2, 2)
+    j1, j2 = (logs[0] for logs in joint_logs(arm, (1,), 6.0).values())
+    report = explained({"j1": j1, "j2": replace(j2, torque=-j2.torque)}, arm)
+    assert (set(report.failed), set(report.joints), report.shared) == ({"j2"}, {"j1"}, ())
+    turned = replace(j1, other_positions={"j2": -j2.position})
+    with pytest.raises(LogError, match=r"^the positions of 'j2' have the wrong sign"):
+        explained({"j1": turned, "j2": replace(j2, position=-j2.position)}, arm)
+
+
+def explained(logs, arm):
+    each = RobotLogs({n: [x] for n, x in logs.items()}, {n: [] for n in logs}, {})
+    return close_loop_robot(each, arm.believed, Options(jobs=1))
 
 
 @pytest.mark.parametrize("what", ["", "the drives of ", "the positions of "])
@@ -126,6 +127,5 @@ def test_joints_that_are_exchanged_in_the_logs_are_named(what):
         wrong = {a: replace(right[a], torque=log.torque) for a, log in wrong.items()}
     elif what:
         wrong = {a: replace(log, torque=right[a].torque) for a, log in wrong.items()}
-    logs = RobotLogs({joint: [log] for joint, log in wrong.items()}, {"j1": [], "j2": []}, {})
     with pytest.raises(LogError, match=f"^{what}'j1' and 'j2' are exchanged in the logs"):
-        close_loop_robot(logs, arm.believed, Options(jobs=1))
+        explained(wrong, arm)

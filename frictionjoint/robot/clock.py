@@ -82,8 +82,6 @@ class Clock:
 def _correlation(joint: FittedJoint) -> tuple[float, float]:
     """Longest correlation time of the joints' residuals: s and samples."""
     e = joint.fit.residual * joint.fit.weight
-    found = []
-    for i, s in enumerate(joint.prepared.segments):
-        samples = correlation_time(e[joint.fit.log_index == i])
-        found.append((samples * s.dt * s.step, samples))
-    return max(found)
+    logs = enumerate(joint.prepared.segments)
+    each = ((correlation_time(e[joint.fit.log_index == i]), s) for i, s in logs)
+    return max((samples * s.dt * s.step, samples) for samples, s in each)

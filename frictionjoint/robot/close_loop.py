@@ -174,11 +174,9 @@ def _replay(model: Model, joints: Mapping[str, Fitted], poses: Mapping[str, list
             for place, segment in by_place(prepared.segments if prepared else ()).items():
                 logs.setdefault(place, {})[name] = segment
         fits = {n: joints[n].fit for n, prepared in own.items() if prepared}
-        return (
-            replay_joints(read_spec(model), list(logs.values()), fits, poses).stated
-            if logs
-            else None
-        )
+        if not logs:
+            return None
+        return replay_joints(read_spec(model), list(logs.values()), fits, poses).stated
 
     kept_back = {n: x.kept_back for n, x in joints.items()}
     return Rms(rms({n: x.prepared for n, x in joints.items()}), rms(kept_back))
@@ -200,14 +198,8 @@ def _stated(shared: Settled, done: Mapping[str, Explained]) -> tuple[SharedCause
         # a joint whose own search has dropped the effect shares it no longer
         own = {n: pair for n, x in done.items() if (pair := _own(x, common.term.name))}
         if len(own) > 1:
-            cause = SharedCause(
-                cause=common.term.name,
-                place={"common_to": ", ".join(own)},
-                parameters=common.parameters,
-                evidence=choice.evidence,
-                joints=own,
-            )
-            causes = (*causes, cause)
+            place, evidence = {"common_to": ", ".join(own)}, choice.evidence
+            causes += (SharedCause(common.term.name, place, common.parameters, evidence, own),)
     return causes
 
 

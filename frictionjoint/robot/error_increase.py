@@ -20,16 +20,13 @@ def error_increase(before: Array, after: Array, log_index: NDArray[np.int64]) ->
     log is long enough.
     """
     difference = after**2 - before**2
-    sums, counts = [], []
+    parts: list[Array] = []
     for log in np.unique(log_index):
         own = difference[log_index == log]
         length = CORRELATION_TIMES * correlation_time(own)
-        for part in np.array_split(own, max(1, round(len(own) / length))):
-            sums.append(float(part.sum()))
-            counts.append(len(part))
-    return _interval(
-        np.array(sums), np.array(counts), root_mean_square(before) + root_mean_square(after)
-    )
+        parts += np.array_split(own, max(1, round(len(own) / length)))
+    sums, counts = np.array([x.sum() for x in parts]), np.array([len(x) for x in parts])
+    return _interval(sums, counts, root_mean_square(before) + root_mean_square(after))
 
 
 def replay_increase(before: Array, after: Array) -> Interval:

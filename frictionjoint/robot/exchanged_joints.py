@@ -1,9 +1,12 @@
-"""Joints whose columns are exchanged in the logs: each belongs to the other joint of the model."""
+"""Columns that belong to another joint of the model, and positions with the wrong sign."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
+from statistics import fmean
 
+from frictionjoint.decisions import TIE
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.early_checks import unexplained_fraction
 from frictionjoint.identify.prepare import prepare
@@ -18,9 +21,18 @@ _MUCH, _TIMES = 0.3, 3.0
 
 
 def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJoint]) -> None:
-    """Check that no two joints, or their drives or positions, are exchanged in the logs; LogError
-    if two whose drives the model explains badly fit each other's place."""
+    """Check that no two joints, or their drives or positions, are exchanged in the logs, nor the
+    positions of a joint without a fit reversed; LogError if the drives that the model explains
+    badly fit each other's place, or if the other joints' drives fit the reversed positions."""
     left = {name: unexplained_fraction(x.prepared) for name, x in fitted.items()}
+    for name in tasks.keys() - fitted.keys():
+        as_is = fmean(left.values())
+        opposite = fmean(_left(tasks[n], tasks[n], partial(_turned, name)) for n in left)
+        if opposite < (1.0 - TIE) * as_is:
+            raise LogError(
+                f"the positions of {name!r} have the wrong sign: as they are, the model leaves "
+                f"{as_is:.0%} of the other joints' drives, reversed {opposite:.0%}: check them"
+            )
     doubtful = [name for name, x in left.items() if x > _MUCH]
     for a, b in combinations(doubtful, 2):
         for what, exchanged in _EXCHANGES.items():
@@ -44,13 +56,21 @@ def _left(task: Task, other: Task, exchanged: Callable[[JointLog, JointLog], Joi
     return unexplained_fraction(prepare(logs, body, controller=task.controller))
 
 
+def _turned(joint: str, own: JointLog, _: JointLog) -> JointLog:
+    """A log with the reversed position of another joint."""
+    q, v = (
+        {n: -x if n == joint else x for n, x in of.items()}
+        for of in (own.other_positions, own.other_velocities)
+    )
+    return replace(own, other_positions=q, other_velocities=v, before=None)
+
+
 def _joints(own: JointLog, other: JointLog) -> JointLog:
     """A log of another joint with the two joints exchanged."""
     positions = other.other_positions | {other.joint: other.other_positions[own.joint]}
     del positions[own.joint]
-    velocities = {
-        other.joint if n == own.joint else n: x for n, x in other.other_velocities.items()
-    }
+    moved = other.other_velocities
+    velocities = {other.joint if n == own.joint else n: x for n, x in moved.items()}
     alike = replace(other, other_positions=positions, other_velocities=velocities, before=None)
     return replace(alike, joint=own.joint)
 

@@ -109,8 +109,7 @@ class FittedJoint:
         if terms:
             timing = tuple(t for t in found.terms if isinstance(t, Timing))
             alone = refit(prepared, timing, found.shape, steps=1)
-        own = _size_of(found)
-        return FittedJoint(self.alongs, prepared, alone, *own, common_effects=terms)
+        return FittedJoint(self.alongs, prepared, alone, *_size_of(found), common_effects=terms)
 
 
 def first_fit(

@@ -20,8 +20,6 @@ from frictionjoint.report.entries import LogEntry, Role
 LogLike = JointLog | str | Path
 # of a log among those of a joint: its name, and how many before it have that
 Place = tuple[str, int]
-
-
 _Log = TypeVar("_Log", JointLog, Segment)
 
 
@@ -137,14 +135,10 @@ class RobotLogs:
     @property
     def moving(self) -> list[str]:
         """Joints with logged motion, those with a drive first."""
-        names = dict.fromkeys(self.fit)
-        for logs in self.fit.values():
-            for log in logs:
-                # rad (m)
-                names |= dict.fromkeys(
-                    n for n, q in log.other_positions.items() if np.ptp(q) > 1e-3
-                )
-        return list(names)
+        others = (x.other_positions.items() for logs in self.fit.values() for x in logs)
+        # rad (m)
+        moved = (n for positions in others for n, q in positions if np.ptp(q) > 1e-3)
+        return list(dict.fromkeys((*self.fit, *moved)))
 
     @property
     def entries(self) -> tuple[LogEntry, ...]:
