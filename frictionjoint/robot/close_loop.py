@@ -32,6 +32,7 @@ from frictionjoint.report.robot_report import (
     notes_of,
 )
 from frictionjoint.report.units_report import UnitsReport
+from frictionjoint.robot.by_log import disagreements
 from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.corrections import write_corrections
 from frictionjoint.robot.exchanged_joints import require_own_columns
@@ -152,7 +153,12 @@ def close_loop_robot(
         excitation=excitation,
         mjcf=model_text(spec, corrected),
         seconds=time.perf_counter() - begin,
-        notes=(*([ignored_note(carried)] if carried else ()), *logs.notes, *notes_of(reports)),
+        notes=(
+            *([ignored_note(carried)] if carried else ()),
+            *logs.notes,
+            *disagreements(shared),
+            *notes_of(reports),
+        ),
     )
 
 
