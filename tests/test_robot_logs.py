@@ -87,11 +87,7 @@ def test_joints_recorded_one_after_the_other_have_each_the_logs_in_which_they_mo
     }
     assert {j: len(own) for j, own in found.held_out.items()} == {"j1": 1, "j2": 0}
     assert found.at_rest == {"j1": ("j1",), "j2": ("j2", "held")}
-    assert [(e.name, e.role) for e in found.entries] == [
-        ("j2", "fit"),
-        ("j1", "fit"),
-        ("held", "held-out"),
-    ]
+    assert {e.name: e.role for e in found.entries} == {"j2": "fit", "j1": "fit", "held": "held-out"}
     assert not found.failed
     assert found.notes == (
         "j1: fitted without j1, at rest there.",
@@ -99,7 +95,7 @@ def test_joints_recorded_one_after_the_other_have_each_the_logs_in_which_they_mo
     )
 
 
-def test_other_joints_have_a_result_only_next_to_a_torque_with_the_wrong_sign():
+def test_a_joint_in_another_sign_or_unit_is_named():
     arm = random_arm(2, 2)
     j1, j2 = (logs[0] for logs in joint_logs(arm, (1,), 6.0).values())
     report = explained({"j1": j1, "j2": replace(j2, torque=-j2.torque)}, arm)
@@ -107,6 +103,9 @@ def test_other_joints_have_a_result_only_next_to_a_torque_with_the_wrong_sign():
     turned = replace(j1, other_positions={"j2": -j2.position})
     with pytest.raises(LogError, match=r"^the positions of 'j2' have the wrong sign"):
         explained({"j1": turned, "j2": replace(j2, position=-j2.position)}, arm)
+    far = np.degrees(j2.position)
+    with pytest.raises(LogError, match=r"^'j2' turns by .* if that is in degrees"):
+        explained({"j1": j1, "j2": replace(j2, position=far)}, arm)
 
 
 def explained(logs, arm):

@@ -1,4 +1,4 @@
-"""Columns that belong to another joint of the model, and positions with the wrong sign."""
+"""Columns that belong to another joint, and positions with the wrong sign or in degrees."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -6,7 +6,9 @@ from functools import partial
 from itertools import combinations
 from statistics import fmean
 
-from frictionjoint.decisions import TIE
+import numpy as np
+
+from frictionjoint.decisions import APART, TIE
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.early_checks import unexplained_fraction
 from frictionjoint.identify.prepare import prepare
@@ -18,12 +20,15 @@ from frictionjoint.robot.joint import FittedJoint
 # fraction of the drive's rms from which on a model explains little of a joint's drive, and how
 # many times less an exchange must leave, in both joints: masses that are wrong do not do that
 _MUCH, _TIMES = 0.3, 3.0
+# rad, more than a joint turns in one log
+_FAR = 20.0
 
 
 def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJoint]) -> None:
     """Check that no two joints, or their drives or positions, are exchanged in the logs, nor the
-    positions of a joint without a fit reversed; LogError if the drives that the model explains
-    badly fit each other's place, or if the other joints' drives fit the reversed positions."""
+    positions of a joint without a fit reversed, nor those of one in degrees; LogError if drives
+    that the model explains badly fit each other's place or a position in degrees, or if the other
+    joints' drives fit reversed positions."""
     left = {name: unexplained_fraction(x.prepared) for name, x in fitted.items()}
     for name in tasks.keys() - fitted.keys():
         as_is = fmean(left.values())
@@ -34,6 +39,15 @@ def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJo
                 f"{as_is:.0%} of the other joints' drives, reversed {opposite:.0%}: check them"
             )
     doubtful = [name for name, x in left.items() if x > _MUCH]
+    for name in doubtful:
+        task = tasks[name]
+        travel = max(float(np.ptp(log.position)) for log in task.logs)
+        # an inertia of a tenth also explains more in degrees, but no joint of an arm turns so far
+        if travel > _FAR and _left(task, task, _in_degrees) < APART * min(1.0, left[name]):
+            raise LogError(
+                f"{name!r} turns by {travel:.3g} rad, and the model explains its drive if that is "
+                "in degrees: convert its positions to rad"
+            )
     for a, b in combinations(doubtful, 2):
         for what, exchanged in _EXCHANGES.items():
             try:
@@ -63,6 +77,12 @@ def _turned(joint: str, own: JointLog, _: JointLog) -> JointLog:
         for of in (own.other_positions, own.other_velocities)
     )
     return replace(own, other_positions=q, other_velocities=v, before=None)
+
+
+def _in_degrees(own: JointLog, _: JointLog) -> JointLog:
+    """A log whose own position and velocity are read in degrees."""
+    velocity = None if own.velocity is None else np.radians(own.velocity)
+    return replace(own, position=np.radians(own.position), velocity=velocity, before=None)
 
 
 def _joints(own: JointLog, other: JointLog) -> JointLog:
