@@ -38,6 +38,5 @@ def as_python_warnings() -> Iterator[None]:
 
 
 def became_unstable(data: mujoco.MjData) -> bool:
-    """Whether MuJoCo reset the simulation itself, to the model's own pose, since `data` was
-    reset."""
+    """Whether MuJoCo reset the simulation to the model's own pose since `data` was reset."""
     return any(data.warning[int(kind)].number for kind in _UNSTABLE)

@@ -37,9 +37,7 @@ def test_every_set_is_pinned_and_says_its_licence() -> None:
 
 
 @pytest.mark.usefixtures("offline")
-def test_a_local_copy_needs_no_network(
-    measured_data: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_copy_needs_no_network(measured_data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FRICTIONJOINT_DATA", str(measured_data))
     for data in list_data():
         folder = get_data(data.name)

@@ -10,9 +10,12 @@ from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.command_delay import EFFECT as COMMAND_DELAY
 from frictionjoint.effects.gain_error import EFFECT as GAIN_ERROR
 from frictionjoint.effects.temperature_dependent import EFFECT as FALLING
+from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.result import term_estimates
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import DriveTerm, EffectTerm
+from frictionjoint.report.numbers import size_of
 from tests.three_sines import INERTIA, A, Q, T, V, logged
 
 TERMS = {e.name: EffectTerm(e) for e in CATALOGUE}
@@ -51,14 +54,23 @@ def test_what_has_no_coefficient_is_as_far_as_its_number_from_one_that_changes_n
         assert found == pytest.approx(far, rel=0.01)
 
 
-def test_a_slow_change_is_certain_before_its_rate_is_known():
-    """Over a small rise the logs determine only the level over the scale."""
-    term = EffectTerm(FALLING, (35.0, 724.0))
-    layout = SimpleNamespace(coefficients=lambda i: slice(0, 1), numbers=lambda i: slice(1, 2))
-    fitted = SimpleNamespace(terms=(term,), layout=layout, beta=np.array([52.0]))
-    errors, known = np.array([86.0, 1200.0]), 0.01
-    cov = np.outer(errors, errors) * (1.0 - known**2 / 2.0 * (1.0 - np.eye(2)))
-    assert standard_errors(fitted, cov, 0) == pytest.approx(52.0 / (86.0 * known), rel=0.01)
+def test_a_slow_change_is_stated_by_what_the_logs_determine(tmp_path):
+    """Over a rise of 3 K they determine only the level over the scale: its fall per kelvin."""
+    warm = 25.0 + 3.0 * T / T[-1]
+    friction = (2.0 - 0.07 * (warm - 28.0)) * np.clip(V / 0.02, -1.0, 1.0)
+    noise = np.random.default_rng(5).normal(0.0, 0.05, len(T))
+    log = logged(tmp_path, INERTIA * A + friction + noise, temperature=warm)
+    fitted = fit(log, (EffectTerm(FALLING, (28.0, 300.0)),))
+    found = term_estimates(fitted, stated_covariance(log, fitted), 0, slide=False)
+    slope = found["slope"]
+    assert found["level"].is_loose
+    assert slope.unit == "N m/K"
+    assert slope.value == pytest.approx(0.07, abs=3.0 * slope.stderr)
+    assert slope.stderr < 0.1 * slope.value
+    assert not undetermined(log, fitted)
+    stated = "; ".join(size_of(FALLING.name, found, slide=False))
+    assert "fall of Coulomb friction" in stated
+    assert "that falls with temperature" not in stated
 
 
 def test_a_motor_constant_that_leaves_no_load_in_the_torque_has_no_size():

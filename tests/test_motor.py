@@ -77,9 +77,7 @@ def fitted(one, *effects):
     return reweighed(prepared, fit(prepared, terms, forms=INTEGRATED[:1]))[1]
 
 
-def test_letting_go_tells_viscous_friction_from_back_emf_and_the_load_of_the_gear(
-    driven_and_let_go,
-):
+def test_letting_go_tells_viscous_friction_from_back_emf_and_the_gear_load(driven_and_let_go):
     """The rotor's own torque is no load: in free swing that is most of the rigid body's."""
     found = fitted(driven_and_let_go, back_emf.EFFECT, load_dependent.EFFECT)
     assert found.gain == pytest.approx(0.1, rel=0.01)

@@ -88,9 +88,7 @@ def test_the_command_writes_tables_that_make_friction(tmp_path, posterior):
     assert [joint_friction(t) for t in tables] == list(posterior.sample(7))
 
 
-def test_a_robot_report_asks_for_the_joint_and_one_of_several_robots_for_the_robot(
-    tmp_path, posterior
-):
+def test_a_robot_report_asks_for_the_joint_and_one_of_several_for_the_robot(tmp_path, posterior):
     out = tmp_path / "samples.json"
     whole = robot(hip=good(posterior=posterior.to_dict()), knee=good())
 

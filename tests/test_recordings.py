@@ -249,9 +249,7 @@ def test_differences_within_the_error_of_a_law_are_not_stated() -> None:
     assert not [note for note in found.notes if "Coulomb friction varies" in note]
 
 
-def test_a_parameter_that_hardly_reduces_the_error_does_not_differ(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_parameter_that_hardly_helps_does_not_differ(monkeypatch: pytest.MonkeyPatch) -> None:
     """Static friction of three recordings, many standard errors apart."""
     k = known()
     i = [x.name for x in k.numbers].index("Fs - Fc")

@@ -106,9 +106,7 @@ def test_joints_of_an_arm_run_together_or_next_to_one_on_its_measured_path() -> 
         assert found.rms < 0.01 * found.travel
 
 
-def test_a_report_states_no_figure_of_a_diverging_simulation(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_report_has_no_figure_of_a_diverging_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     def away(*arguments: Any) -> Replay:
         found = replay(*arguments)
         return replace(found, errors=tuple(1e5 * e for e in found.errors))

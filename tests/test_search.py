@@ -64,9 +64,7 @@ def test_what_is_there_is_found_alone_with_its_size(effects, expected, tmp_path)
 
 
 @pytest.mark.parametrize(("size", "N"), [({"amplitude": 0.15}, 4.0), ({"level": 0.3}, 6.0)])
-def test_a_wave_as_long_as_the_travel_is_named_where_it_predicts_more_than_a_curve(
-    size, N, tmp_path
-):
+def test_a_wave_as_long_as_the_travel_is_named_if_it_predicts_more_than_a_curve(size, N, tmp_path):
     found = traced(tmp_path, Effect("position-periodic", {**size, "cycles": N, "phase": 0.4}))
     assert found.prepared.span * N < 2.0 * np.pi  # not one wave in the longest log
     (step,) = found.findings

@@ -346,9 +346,7 @@ LOG = JointLog(name="log", joint="elbow", time=TIME, position=POSITION, torque=T
         (([LOG], PENDULUM, "elbow", 0.25, 0.5), "seed is of type float"),
     ],
 )
-def test_a_wrong_type_in_python_is_told_with_its_mend(
-    arguments: tuple[Any, ...], says: str
-) -> None:
+def test_a_wrong_type_in_python_is_told_with_its_fix(arguments: tuple[Any, ...], says: str) -> None:
     with pytest.raises(TypeError) as caught:
         fj.close_loop(*arguments)
     assert says in str(caught.value)

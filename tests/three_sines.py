@@ -1,5 +1,6 @@
 """A joint of known inertia led along three sines, 40 s at 500 Hz."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -38,9 +39,10 @@ def logged(
     position: NDArray[np.float64] = Q,
     band: Band | None = None,
     time: NDArray[np.float64] = T,
+    temperature: NDArray[np.float64] | None = None,
 ) -> Prepared:
     """The log of a torque, N m, prepared with the joint's model."""
     file = folder / "j.xml"
     file.write_text(_MODEL)
     log = JointLog(name="log", joint="j", time=time, position=position, torque=torque)
-    return prepare([log], RigidBody(file, "j"), band)
+    return prepare([replace(log, temperature=temperature)], RigidBody(file, "j"), band)

@@ -162,8 +162,7 @@ class LogOptions:
 
     @property
     def poses(self) -> dict[str, float | list[float]]:
-        """Fixed positions by joint; ModelError if one is not JOINT=VALUE, or a joint is given
-        twice."""
+        """Fixed positions by joint; ModelError if one is not JOINT=VALUE, or one joint twice."""
         found: dict[str, float | list[float]] = {}
         fix = "write JOINT=VALUE in rad or m, e.g. shoulder=0.3"
         for name, value in by_name("--fixed", self.fixed or [], fix).items():

@@ -103,8 +103,7 @@ def between(low: float, high: float, unit: str) -> str:
 
 
 def wider(limits: Limits, body: RigidBody) -> Limits:
-    """The MJCF's range, else twice the logs' range; twice the speed, four times the
-    acceleration."""
+    """The MJCF's range, else twice the logs'; twice the speed, four times the acceleration."""
     low, high = _model_range(body)
     if not np.isfinite(low):
         low, high = limits.low - limits.reach, limits.high + limits.reach
@@ -215,8 +214,7 @@ def sampling(limits: Limits, prepared: Prepared) -> int:
 
 
 def _top(limits: Limits) -> float:
-    """Highest frequency to try, Hz: twice the one at which both speed and acceleration are
-    limiting."""
+    """Highest frequency to try, Hz: twice the one at which speed and acceleration limit."""
     return max(limits.acceleration / limits.speed, limits.speed / limits.reach) / np.pi
 
 

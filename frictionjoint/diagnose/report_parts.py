@@ -86,8 +86,7 @@ def replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals 
 def added(
     found: Trace, cov: Array, fitted_on: Prepared, kept_back: Prepared | None
 ) -> tuple[Added, ...]:
-    """One entry per effect; further harmonics of a periodic effect belong to the entry of the
-    first."""
+    """One entry per effect; further harmonics of a periodic effect join that of the first."""
     entries: dict[str, Added] = {}
     for i, step in enumerate(found.findings):
         parameters = term_estimates(found.final, cov, i, fitted_on.slide)

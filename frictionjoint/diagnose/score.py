@@ -35,8 +35,7 @@ class Scored:
         return 1.0 - self.total / other.total if other.total > 0.0 else 0.0
 
     def moved(self, other: "Scored") -> float:
-        """rms of the torque by which this model improves on another, relative to that of
-        friction."""
+        """rms of the torque by which this model improves on another, over that of friction."""
         f, less = self.fit, max(0.0, other.total - self.total)
         friction = float(np.sum((f.friction * f.weight) ** 2)) / f.error_unit**2
         return float(np.sqrt(less / friction)) if friction else 0.0
@@ -48,8 +47,7 @@ class Scored:
         return float(np.sqrt(nearer)) * f.error_unit / f.target_rms
 
     def better(self, other: "Scored", errors: float = 1.0) -> bool:
-        """Whether it predicts better by more than a number of paired standard errors over
-        blocks."""
+        """Whether it predicts better by more than some paired standard errors over blocks."""
         difference = other.squares - self.squares
         spread = float(np.std(difference)) * np.sqrt(len(difference))
         # models that are one in all but name differ by rounding, and so does its spread

@@ -88,8 +88,7 @@ class State:
 
     @property
     def either_way(self) -> tuple[Blocks, Blocks]:
-        """Blocks of the present model, with and without the direction of possible errors of the
-        law."""
+        """Blocks of the present model, with and without the direction of the law's errors."""
         own = self._model.blocks
         return self._apart_from(own, self.laws.errors(self.fit)), self._apart_from(own)
 
@@ -146,8 +145,7 @@ def without(state: State, term: Term) -> Fit:
 
 
 def with_fewer(state: State, terms: tuple[Term, ...]) -> Fit:
-    """The model with some of its effects; the law starts from the nearest of its starting
-    shapes."""
+    """The model with some of its effects; the law starts from its nearest starting shape."""
     laws = state.laws.starts(state.fit.shape)
     return compared(state.prepared, terms, nearer(state.prepared, terms, laws))
 

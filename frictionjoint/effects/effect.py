@@ -48,6 +48,7 @@ class Effect:
         shape_bounds: of each shape number; none where empty.
         slow: it changes over minutes, and a log may contain a single value, so its gain is judged
             on parts of every log and not on whole logs.
+        decays_over: the shape number over which its level falls to 37%.
         proposed_by: source of initial shape numbers: the grid of `shapes`, or, for effects fixed
             in angle, the spectrum of the residual over position.
         drives: kinds of drive signal for which the effect is identifiable.
@@ -97,6 +98,7 @@ class Effect:
     bounds: tuple[tuple[float, float], ...] = ()
     shape_bounds: tuple[tuple[float, float], ...] = ()
     slow: bool = False
+    decays_over: str = ""
     proposed_by: Literal["grid", "spectrum"] = "grid"
     drives: tuple[str, ...] = ("torque", "voltage", "current")
     first: bool = False

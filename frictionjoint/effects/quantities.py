@@ -66,6 +66,8 @@ _OF_EFFECT = {
     ("spring", "preload"): "torque at zero position",
     ("temperature-dependent", "level"): "Coulomb friction that falls with temperature",
     ("temperature-dependent", "viscous"): "viscous friction that falls with temperature",
+    ("temperature-dependent", "slope"): "fall of Coulomb friction at the reference temperature",
+    ("warm-up-drift", "slope"): "initial fall of Coulomb friction",
     ("warm-up-drift", "ratio"): "viscous over Coulomb friction in the loss",
     ("warm-up-drift", "level"): "additional Coulomb friction when cold",
     ("warm-up-drift", "viscous"): "additional viscous friction when cold",

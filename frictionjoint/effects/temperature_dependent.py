@@ -51,6 +51,7 @@ EFFECT = Effect(
     separating_motion="the same motion cold and warm, and warm after a pause",
     entry="scales the friction level",
     slow=True,
+    decays_over="scale",
     shape=("T0", "scale"),
     shape_units=("deg C", "K"),
     shape_fixed=1,

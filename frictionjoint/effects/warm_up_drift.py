@@ -43,8 +43,7 @@ def warmed_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 
 @compiled
 def heated_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
-    """exp(-w/scale) (a Fh/Fc + b v); X[x] the warmth w by the whole loss, 0 in a log at its
-    start."""
+    """exp(-w/scale) (a Fh/Fc + b v); X[x] the warmth w by the whole loss, 0 as a log starts."""
     if sig[DT] > 0.0:
         X[x] = warmth(X[x], sig[H], sig[V], sig[DT], P[e + 2], P[e + 1])
     return math.exp(-X[x] / P[e]) * (P[e + 3] * sig[H] + P[e + 4] * sig[V])
@@ -100,6 +99,7 @@ EFFECT = Effect(
     separating_motion="the same motion repeated for several time constants, with a long pause",
     entry="scales the friction level",
     slow=True,
+    decays_over="tau",
     shape=("tau",),
     shape_units=("s",),
     shapes=_time_constants,
@@ -114,6 +114,7 @@ BY_LOSS = replace(
     source="Bittencourt and Gunnarsson (2012), heated by the friction's own loss",
     signature="same motion, friction that changes slowly with the work done before",
     shape=("tau", "scale"),
+    decays_over="scale",
     shape_units=("s", "x"),
     shapes=_time_constants_and_warmths,
     shape_bounds=((_FASTEST, float("inf")), (0.0, float("inf"))),

@@ -151,8 +151,7 @@ def _parts(Y: Array, e: Array, group: Index) -> list[tuple[Array, Array]]:
 
 
 def _wider(first: Array, second: Array) -> Array:
-    """The smallest covariance that is at least two others along the axes in which both are
-    diagonal."""
+    """Smallest covariance that is at least two others along the axes that make both diagonal."""
     squares, U = eigh(first)
     floor = max(float(squares.max()), float(np.trace(second))) * _RCOND
     L = U * np.sqrt(np.maximum(squares, floor))

@@ -200,7 +200,24 @@ def term_estimates(fitted: Fit, cov: Array, i: int, slide: bool) -> dict[str, Es
         error = None if k < fixed else _root(cov[at + k - fixed, at + k - fixed])
         unit = _spelled(effect.shape_units[k], *units_of(fitted, slide))
         found[name] = Estimate(term.shape[k], error, unit)
-    return found
+    return found | _slope(fitted, cov, i, slide, found)
+
+
+def _slope(
+    fitted: Fit, cov: Array, i: int, slide: bool, found: dict[str, Estimate]
+) -> dict[str, Estimate]:
+    """Initial slope of a level of which the logs show too little to determine level and length."""
+    effect, layout = fitted.terms[i].effect, fitted.layout
+    lengths = effect.shape[effect.shape_fixed :]
+    if effect.decays_over not in lengths or not found["level"].is_loose:
+        return {}
+    k, length = lengths.index(effect.decays_over), found[effect.decays_over]
+    slope = found["level"].value / length.value
+    gradient = {layout.coefficients(i).start: fitted.gain / length.value}
+    gradient |= {layout.numbers(i).start + k: -slope / length.value} | _of_gain(fitted, slope)
+    unit = f"{found['level'].unit}/{length.unit}"
+    estimate = Estimate(slope, _error(cov, gradient), unit)
+    return {} if estimate.is_loose else {"slope": estimate}
 
 
 def _root(variance: float) -> float | None:

@@ -234,8 +234,7 @@ class Prepared:
 
     @cached_property
     def top_speed(self) -> float:
-        """Top speed of all logs without the fastest 1% of the samples, rad/s (m/s); 1 if none
-        move."""
+        """Top speed of all logs without the fastest 1% of samples, rad/s (m/s); 1 if none move."""
         speeds = np.concatenate([np.abs(s.signals[:, V]) for s in self.segments])
         return float(np.quantile(speeds, 0.99)) or 1.0
 
@@ -320,8 +319,7 @@ class Prepared:
         return found
 
     def thinned(self, most: int) -> "Prepared":
-        """The logs for a coarse search, in a narrower band if there are more samples than about
-        `most`."""
+        """The logs for a coarse search, in a narrower band beyond about `most` samples."""
         if most not in self._thinned:
             factor = max(1.0, len(self.log_index) / most)
             segments = tuple(_thinned(s, factor) for s in self.segments)
@@ -332,8 +330,7 @@ class Prepared:
         return found.weighed(weights) if weights else found
 
     def without_limits(self) -> "Prepared":
-        """The logs without samples at the end of the drive's range, because its sensor
-        saturates."""
+        """The logs without samples at the end of the drive's range: its sensor saturates."""
         return replace(
             self,
             segments=tuple(s.without_limits() for s in self.segments),

@@ -65,8 +65,7 @@ class Shape(Protocol):
         """The same kind of shape with other numbers."""
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
-        """Bounds of the numbers for a joint with speeds up to vmax (rad/s) and travel span
-        (rad)."""
+        """Bounds of the numbers for a joint with speeds up to vmax, rad/s, and a span, rad."""
 
     def started(self, start: LawStart) -> list[Self]:
         """Starting shapes of this kind."""
@@ -230,8 +229,7 @@ class IntegratedShape(KernelShape):
         )
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
-        """Bounds of Stribeck curve, end of the transition curve and bends, in the order of
-        `variables`."""
+        """Bounds of Stribeck curve, end of the transition curve and bends, as in `variables`."""
         low, high = level_bounds(vmax)
         bend = (float(np.log(0.02)), 0.0)
         shortest, longest = length_bounds(span)

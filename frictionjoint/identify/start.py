@@ -177,8 +177,7 @@ class Prediction(NamedTuple):
 
     @property
     def in_motion(self) -> NDArray[np.bool_]:
-        """Samples whose torque the position determines, shape (n,); all samples if there are
-        none."""
+        """Samples whose torque the position determines, shape (n,); all if there are none."""
         found = np.asarray(np.concatenate(self.weight) ** 2 > IN_MOTION)
         return found if found.any() else ~found
 

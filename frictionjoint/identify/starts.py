@@ -121,8 +121,7 @@ def with_times(
 def refined_starts(
     prepared: Prepared, terms: tuple[Term, ...], forms: Sequence[Shape]
 ) -> list[Place]:
-    """Each form of a law after some steps of a coarse search, best first, with the costs of that
-    search."""
+    """Each form of a law after some steps of a coarse search, best first, with its costs."""
     return _followed(_screened(prepared.thinned(COARSE), terms, forms))
 
 

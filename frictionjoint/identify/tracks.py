@@ -118,8 +118,7 @@ class Tracks:
         return self._on_grid(np.stack(law.hysteresis(time, q, edges)), samples)
 
     def tangents(self, law: Shape, of_rate: bool) -> tuple[Array, Array, Array | None]:
-        """`along`, and derivatives of H and, if requested, dz/dq by the numbers of a law, (k, n)
-        each."""
+        """`along`, and derivatives of H and, if requested, dz/dq by a law's numbers, (k, n)."""
         time, q, edges, samples = self._whole(law)
         level, rate, dH, drate = law.tangents(time, q, edges)
         moves = self._on_grid(drate, samples) if of_rate else None

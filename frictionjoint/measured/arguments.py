@@ -6,8 +6,7 @@ from frictionjoint.errors import ParameterError
 
 
 def expect(value: Any, kinds: type | tuple[type, ...], name: str, fix: str) -> None:
-    """Require an argument to be of one of some types; TypeError with its name, its type and the
-    fix."""
+    """Require an argument to be of some types; TypeError with its name, its type and the fix."""
     if not isinstance(value, kinds):
         raise TypeError(f"{name} is of type {type(value).__name__}: {fix}")
 

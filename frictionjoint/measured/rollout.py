@@ -45,8 +45,7 @@ class _Rollout:
 
 
 def is_rollout(path: Path, columns: Mapping[str, str] | None) -> bool:
-    """Whether a file is such a rollout: a .pt, or an .npz with such names and no requested
-    columns."""
+    """Whether a file is a rollout: .pt, or .npz with such names and no requested columns."""
     if path.suffix.lower() == ".pt":
         return path.is_file()
     if (

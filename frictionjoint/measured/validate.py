@@ -115,8 +115,7 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
 
 
 def check_moves(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError if the joint of a log does not move (NoMotionError), or its drive never
-    changes."""
+    """Raise LogError if a log's joint does not move (NoMotionError) or its drive is constant."""
     for name, x in columns.items():
         unit = name.rpartition(".")[2]
         if unit in _SPEED_OF and x.min() == x.max():

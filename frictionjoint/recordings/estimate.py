@@ -212,8 +212,7 @@ class _Balance(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """Change of the parameters, share of each block of time in its error, `independent` and
-    `squares`."""
+    """Change of the parameters, each block's share in its error, `independent` and `squares`."""
 
     step: Array
     influence: Array

@@ -25,8 +25,7 @@ def harms(after: Array, before: Array) -> bool:
 
 
 def gain_of(before: Array, after: Array) -> float:
-    """Fraction of a joint's sum of squares that a candidate removes, for the joint with the
-    largest."""
+    """Largest fraction of a joint's sum of squares that a candidate removes."""
     return float((1.0 - left_of(before, after)).max())
 
 
@@ -71,7 +70,6 @@ def _moved(stack: Stack, before: Array, after: Array) -> float:
 
 
 def better(one: Array, other: Array) -> bool:
-    """Whether the sum of squares is smaller by more than a paired standard error over blocks of
-    time."""
+    """Whether the sum of squares falls by more than a paired standard error over blocks."""
     difference = (other - one).sum(axis=0)
     return bool(difference.sum() > float(np.std(difference)) * np.sqrt(len(difference)))

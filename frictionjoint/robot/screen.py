@@ -1,5 +1,4 @@
-"""Screening of every shared cause and every joint's own effects against the residuals of all
-joints."""
+"""Screening of shared causes and of each joint's own effects against all joints' residuals."""
 
 import itertools
 from collections.abc import Callable, Iterable, Sequence

@@ -104,8 +104,7 @@ class Stack:
         return G
 
     def held_out(self, at: Columns) -> Array:
-        """Sum of squares of each joint and block with coefficients fitted without its fold, (J,
-        B)."""
+        """Sum of squares of each joint and block, (J, B), fitted without the block's fold."""
         left = self.squares.copy()
         betas = least_squares(self.outside[:, at[:, None], at], self.outside[:, at, -1])
         # of each block, those fitted without its fold
