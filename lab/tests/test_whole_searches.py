@@ -42,7 +42,7 @@ from tests import test_joint_limits as at_limit
 from tests import test_motor_temperature as warm
 from tests.leg import BELIEVED, CONTROLLER, MODEL, leg
 from tests.test_search import named_by_its_quantity, traced
-from tests.test_shared_causes import found_in, heavier_link_and_rotor, values
+from tests.test_shared_causes import found_in, values
 from tests.test_wrong_mass import joint as lone_joint
 from tests.test_wrong_mass import told
 
@@ -65,7 +65,13 @@ def test_two_simple_causes_are_not_one_rich_one():
 
 def test_a_cause_that_others_replace_beyond_their_bounds_alone_stays():
     """To first order the link's ten numbers do for the rotor; a possible link does not."""
-    heavier_link_and_rotor(88)
+    arm = random_arm(88, 2)
+    hide_mass(arm, "link2", 1.3)
+    hide_rotor(arm, "j1")
+    found = {name: v for name, _, v in values(found_in(arm))}
+    assert set(found) == {"body-inertia", "rotor-inertia"}
+    rotor = arm.hidden["rotor-inertia"]["j1"]
+    assert found["rotor-inertia"]["added"] == pytest.approx(rotor, rel=0.05)
 
 
 def test_a_payload_has_its_mass_beside_a_gain_of_all_drives():
