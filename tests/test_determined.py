@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.determined import standard_errors, undetermined
+from frictionjoint.effects.backlash import EFFECT as BACKLASH
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.command_delay import EFFECT as COMMAND_DELAY
 from frictionjoint.effects.gain_error import EFFECT as GAIN_ERROR
@@ -32,25 +33,26 @@ def prepared(tmp_path_factory):
 
 
 def test_of_several_effects_the_one_with_no_size_is_told(prepared):
-    law = fit(prepared, (SPRING,)).shape
-    both = refit(prepared, (SPRING, BIAS), law)
+    alone = fit(prepared, (SPRING,))
+    both = refit(prepared, (SPRING, BIAS), alone.shape)
     assert [term.name for term in undetermined(prepared, both)] == [BIAS.name]
-    assert not undetermined(prepared, fit(prepared, (SPRING,)))
-    assert not undetermined(prepared, fit(prepared))
+    assert not undetermined(prepared, alone)
 
 
-@pytest.mark.parametrize(
-    ("effect", "value", "error", "expected"),
-    [(COMMAND_DELAY, 84e-6, 4.7e-3, 0.018), (GAIN_ERROR, 1.25, 0.6, 0.417)],
-)
-def test_what_has_no_coefficient_is_as_far_as_its_number_from_one_that_changes_nothing(
-    effect, value, error, expected
-):
-    term = DriveTerm(effect, (value,))
-    layout = SimpleNamespace(coefficients=lambda i: slice(3, 3), numbers=lambda i: slice(4, 5))
+SIZES = [
+    (DriveTerm(COMMAND_DELAY, (84e-6,)), 4.7e-3, 0.018),
+    (DriveTerm(GAIN_ERROR, (1.25,)), 0.6, 0.417),
+    (EffectTerm(BACKLASH, (1e-6, 6.0, 0.3, 0.03)), 2e-5, 0.05),  # next to a certain resonance
+]
+
+
+@pytest.mark.parametrize(("term", "error", "expected"), SIZES)
+def test_what_has_no_size_of_its_own_is_far_by_a_number(term, error, expected):
+    layout = SimpleNamespace(coefficients=lambda i: slice(3, 3))
+    layout.numbers = lambda i: slice(4, 4 + len(term.shape))
     fitted = SimpleNamespace(terms=(term,), layout=layout)
     for variance, far in ((error**2, expected), (np.inf, 0.0)):
-        found = standard_errors(fitted, np.diag([0.0, 0.0, 0.0, 0.0, variance]), 0)
+        found = standard_errors(fitted, np.diag([0.0] * 4 + [variance] + [1e-6] * 3), 0)
         assert found == pytest.approx(far, rel=0.01)
 
 
@@ -63,12 +65,11 @@ def test_a_slow_change_is_stated_by_what_the_logs_determine(tmp_path):
     fitted = fit(log, (EffectTerm(FALLING, (28.0, 300.0)),))
     found = term_estimates(fitted, stated_covariance(log, fitted), 0, slide=False)
     slope = found["slope"]
-    assert found["level"].is_loose
-    assert slope.unit == "N m/K"
+    assert (found["level"].is_loose, slope.unit) == (True, "N m/K")
     assert slope.value == pytest.approx(0.07, abs=3.0 * slope.stderr)
     assert slope.stderr < 0.1 * slope.value
     assert not undetermined(log, fitted)
-    stated = "; ".join(size_of(FALLING.name, found, slide=False))
+    stated = "".join(size_of(FALLING.name, found, slide=False))
     assert "fall of Coulomb friction" in stated
     assert "that falls with temperature" not in stated
 

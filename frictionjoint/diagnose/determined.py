@@ -55,6 +55,9 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
         x, at = np.array(term.free_shape), layout.numbers(i)
         if term.effect.none:
             x = x - np.array(term.effect.none)
+        if term.effect.extent:  # flanks without play are an elastic gear, however well determined
+            k = term.effect.shape.index(term.effect.extent) - term.effect.shape_fixed
+            x, at = x[k : k + 1], slice(at.start + k, at.start + k + 1)
     if not len(x):
         return np.inf
     with np.errstate(divide="ignore", invalid="ignore"):

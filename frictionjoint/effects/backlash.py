@@ -129,6 +129,7 @@ EFFECT = Effect(
     bounds=((0.0, 1.5),),
     shape_bounds=((0.0, float("inf")), (0.5, float("inf")), (0.02, 1.0), (0.0, float("inf"))),
     of_load=True,
+    extent="gap_times_inertia",
     leaps=True,
     acts="mechanism",
 )

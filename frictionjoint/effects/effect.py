@@ -76,6 +76,7 @@ class Effect:
         controller: for an effect of the drive, the fields of a `Controller` that it changes.
         drive_shapes: grid of shape numbers to search, from the commands of each log.
         none: shape numbers at which it changes nothing; empty: all 0, or infinite.
+        extent: the shape number at whose zero it is another effect, or none.
         separating_motion: what to record to distinguish it from similar effects.
     """
 
@@ -120,6 +121,7 @@ class Effect:
     controller: Callable[[Controller, Shape], dict[str, Any]] | None = None
     drive_shapes: Callable[[Sequence[Commands]], list[Shape]] | None = None
     none: Shape = ()
+    extent: str = ""
 
     def __repr__(self) -> str:
         return f"Effect({self.name!r}, {self.form!r})"
