@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from arms.arm import (
     Arm,
-    hide_mass,
+    heavier_link_and_rotor,
     hide_payload,
     hide_rotor,
     hide_supply,
@@ -130,9 +130,7 @@ def test_a_wrong_inertia_of_a_link_is_not_taken_for_another_mass():
 
 def test_two_causes_of_which_one_alone_is_beyond_its_bounds_are_found():
     """Without the rotor no possible mass of the link would do; a payload of five numbers did."""
-    arm = random_arm(79, 2)
-    hide_mass(arm, "link2", 1.3)
-    hide_rotor(arm, "j1")
+    arm = heavier_link_and_rotor(79)
     found = {name: v for name, _, v in values(found_in(arm))}
     assert set(found) == {"body-inertia", "rotor-inertia"}
     rotor = arm.hidden["rotor-inertia"]["j1"]

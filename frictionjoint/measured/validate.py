@@ -37,6 +37,8 @@ _SPEED_OF = dict(zip(POSITIONS, VELOCITIES, strict=True))
 # Ratio to a target in degrees or millimetres, and a travel that is long only in these:
 # wrong units, where the joint follows it so well. A joint held by friction follows a short one.
 _MISTAKEN_UNIT = {"position_rad": (np.pi / 180, np.pi), "position_m": (1e-3, 1.0)}
+# rad: a hinge that turns farther in one log may be in degrees
+FAR = 20.0
 # With fewer different readings a joint stands, on the edge of a count, or its encoder is too coarse
 # for any velocity.
 _FEWEST_READINGS = 20

@@ -3,6 +3,7 @@
 import numpy as np
 
 from frictionjoint.measured.log import JointLog
+from frictionjoint.measured.validate import FAR
 from frictionjoint.report.charts import Chart, cloud, over_time
 
 
@@ -56,8 +57,8 @@ def unit_doubt(log: JointLog) -> str:
     travel = float(np.ptp(log.position))
     steps = np.abs(np.diff(log.position)) / np.diff(log.time)
     speed = float(np.quantile(steps, 0.99))
-    # a hinge beyond 20 rad or 60 rad/s may be in degrees
-    if log.slide or (travel < 20.0 and speed < 60.0):
+    # a hinge beyond 60 rad/s may be in degrees too
+    if log.slide or (travel < FAR and speed < 60.0):
         return ""
     return (
         f"The joint travels {travel:.3g} rad ({travel / (2.0 * np.pi):.2g} turns) at up to "

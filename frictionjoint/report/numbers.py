@@ -116,8 +116,7 @@ def size_of(effect: str, parameters: Mapping[str, Estimate], slide: bool) -> tup
     """
     left = dict(parameters)
     if "slope" in left:  # instead of numbers that the logs do not determine
-        kept = {n: x for n, x in left.items() if x.stderr is None or not x.is_loose}
-        left = kept if left["level"].is_loose else {n: x for n, x in left.items() if n != "slope"}
+        left = {n: x for n, x in left.items() if x.stderr is None or not x.is_loose}
     found = []
     for suffix in ("", *(f"_{k}" for k in range(2, len(left)))):
         keys = [f"{name}{suffix}" for name in ("sin", "cos", "N")]

@@ -24,23 +24,23 @@ def disagreements(shared: Settled) -> tuple[str, ...]:
         others = np.setdiff1d(seen.columns(seen.candidates), own.at)
         grams, scores = seen.stack.products(own.at, others)
         # of each block: squares of the torque that the cause moves, and product with the residual
-        moved, shown = np.einsum("i,bij,j->b", x, grams, x), scores @ x
-        squares, product = (np.bincount(log, y) for y in (moved, shown))
-        told = squares > 1e-3 * squares.max(initial=0.0)
-        if told.sum() < 2:
+        moved, along = np.einsum("i,bij,j->b", x, grams, x), scores @ x
+        squares, product = (np.bincount(log, y) for y in (moved, along))
+        acts = squares > 1e-3 * squares.max(initial=0.0)
+        if acts.sum() < 2:
             continue
-        part = np.divide(product, squares, out=np.zeros(len(names)), where=told)[told]
-        missed = shown[told[log]] - np.repeat(part, blocks[told]) * moved[told[log]]
-        variance = np.bincount(log[told[log]], missed**2, len(names)) * blocks / (blocks - 1)
-        error = np.sqrt(variance[told]) / squares[told]
-        between = Between(part, error, float(np.sum(blocks[told] - 1)))
-        mean = squares[told] @ part / squares[told].sum()
-        removed = squares[told] @ (part - mean) ** 2
+        part = np.divide(product, squares, out=np.zeros(len(names)), where=acts)[acts]
+        missed = along[acts[log]] - np.repeat(part, blocks[acts]) * moved[acts[log]]
+        variance = np.bincount(log[acts[log]], missed**2, len(names)) * blocks / (blocks - 1)
+        error = np.sqrt(variance[acts]) / squares[acts]
+        between = Between(part, error, float(np.sum(blocks[acts] - 1)))
+        mean = squares[acts] @ part / squares[acts].sum()
+        removed = squares[acts] @ (part - mean) ** 2
         if between.p_value > SIGNIFICANCE:
             continue
         if removed < SMALLEST_GAIN * sum(left[name].sum() for name in own.joints):
             continue
-        pairs = zip(np.array(names)[told], part, error, strict=True)
+        pairs = zip(np.array(names)[acts], part, error, strict=True)
         each = ", ".join(f"{name} {1.0 + p:.2g} ± {e:.1g}" for name, p, e in pairs)
         notes.append(
             f"The logs disagree on {title(choice.candidate.label)}: of the stated change they show "

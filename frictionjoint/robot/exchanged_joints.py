@@ -14,14 +14,13 @@ from frictionjoint.identify.early_checks import unexplained_fraction
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.measured.log import DRIVES, JointLog
+from frictionjoint.measured.validate import FAR
 from frictionjoint.robot.explain import Task
 from frictionjoint.robot.joint import FittedJoint
 
 # fraction of the drive's rms from which on a model explains little of a joint's drive, and how
 # many times less an exchange must leave, in both joints: masses that are wrong do not do that
 _MUCH, _TIMES = 0.3, 3.0
-# rad, more than a joint turns in one log
-_FAR = 20.0
 
 
 def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJoint]) -> None:
@@ -43,7 +42,7 @@ def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJo
         task = tasks[name]
         travel = max(float(np.ptp(log.position)) for log in task.logs)
         # an inertia of a tenth also explains more in degrees, but no joint of an arm turns so far
-        if travel > _FAR and _left(task, task, _in_degrees) < APART * min(1.0, left[name]):
+        if travel > FAR and _left(task, task, _in_degrees) < APART * min(1.0, left[name]):
             raise LogError(
                 f"{name!r} turns by {travel:.3g} rad, and the model explains its drive if that is "
                 "in degrees: convert its positions to rad"

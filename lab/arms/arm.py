@@ -203,3 +203,11 @@ def hide_coupling(arm: Arm, rotor: float, depth: float = 0.0, waves: float = 0.0
     arm.shaft = (n - 2, n - 1, level, 0.5 * level)
     arm.shaft_wave = depth * level, waves
     arm.hidden["gear-coupling"] = (a, b, level, 0.5 * level, rotor)
+
+
+def heavier_link_and_rotor(seed: int) -> Arm:
+    """An arm of two joints whose second link is heavier and whose first rotor is missing."""
+    arm = random_arm(seed, 2)
+    hide_mass(arm, "link2", 1.3)
+    hide_rotor(arm, "j1")
+    return arm

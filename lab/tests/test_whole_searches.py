@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from arms.arm import (
     geared,
+    heavier_link_and_rotor,
     hide_coupling,
     hide_mass,
     hide_payload,
@@ -65,9 +66,7 @@ def test_two_simple_causes_are_not_one_rich_one():
 
 def test_a_cause_that_others_replace_beyond_their_bounds_alone_stays():
     """To first order the link's ten numbers do for the rotor; a possible link does not."""
-    arm = random_arm(88, 2)
-    hide_mass(arm, "link2", 1.3)
-    hide_rotor(arm, "j1")
+    arm = heavier_link_and_rotor(88)
     found = {name: v for name, _, v in values(found_in(arm))}
     assert set(found) == {"body-inertia", "rotor-inertia"}
     rotor = arm.hidden["rotor-inertia"]["j1"]
