@@ -19,6 +19,11 @@ from frictionjoint.control import kernel as k
 from frictionjoint.control.profile import area_until, fill_path, last_before
 
 
+# s of a sample, or a quarter of it if that is longer, in which the output is computed from the mean
+# error
+_PART_S = 2.5e-3
+
+
 @compiled
 def fill_mean_drives(
     blocks: Array,
@@ -70,8 +75,7 @@ def fill_mean_drives(
             area = whole = area_until(path, c, begin)
             total = 0.0
             while until < end:
-                # a quarter of a sample: within it the output is computed from the mean error
-                until = _next(times, corners, c, since, end, width / 4)
+                until = _next(times, corners, c, since, end, max(width / 4, _PART_S))
                 reached = area_until(path, c, until)
                 passed = until - since
                 if passed > 0.0:
