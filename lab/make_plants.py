@@ -39,7 +39,7 @@ def answer(trial: Trial) -> dict[str, Any]:
     kinds = [effect.name for effect in trial.spec.effects]
     outside = [kind for kind in kinds if kind in catalogue.UNKNOWN]
     accept = {kind: sorted({kind}.union(*(s for s in SAME if kind in s))) for kind in kinds}
-    accept |= {kind: sorted(catalogue.also(kind)) for kind in outside}
+    accept |= {kind: sorted(catalogue.UNKNOWN[kind].also) for kind in outside}
     brings = []
     if "gravity-error" in accept:  # a mass that is added has inertia too
         brings = ["inertia-error"]
@@ -50,7 +50,7 @@ def answer(trial: Trial) -> dict[str, Any]:
         "kinds": kinds,
         "accept": accept,
         "brings": brings,
-        "variable": sorted({name for kind in outside for name in catalogue.quantities(kind)}),
+        "variable": sorted({x for kind in outside for x in catalogue.UNKNOWN[kind].quantities}),
         "true_rms": {"fit": noise, "held_out": noise},
         "truth": trial.truth,
         "spec": json.loads(trial.spec.to_json()),
