@@ -17,7 +17,6 @@ import json
 import os
 import tempfile
 import time
-from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
@@ -128,50 +127,38 @@ def _decimated(x):
 
 
 def xl330(asked):
-    """Gain 400 held out, whole logs from the target; BAM with as much time as ours took."""
-    import compare_with_bam as bam
-
-    paths = sorted((asked.data / "xl330").glob("*.json"))
-    begin = time.process_time()
-    best = bam.ours(paths, 400)
-    best = replace(best, seconds=time.process_time() - begin)
-    return servo("XL330 (BAM)", asked, best, asked.data / "xl330", "xl330", ("m1", "m3", "m6"))
+    """Gain 400 held out, whole logs from the target."""
+    return servo("XL330 (BAM)", "xl330", asked, 400)
 
 
 def sts3215(asked):
     """Gain 8 held out; the authors' own fits with BAM are on trimmed logs of all gains."""
-    import compare_with_bam_sts3215 as bam
-
-    paths = sorted((asked.data / "sts3215").glob("*.json"))
     name = "STS3215 (K-Scale)"
     authors = "BAM M1 to M6, the logs' authors"
     figure = "mean position error, all gains fitted"
-    found = [
+    return [
         row(name, f"{figure}, trimmed logs", authors, "0.0309 to 0.0323 rad"),
         row(name, f"{figure}, all of each log", authors, "0.0415 rad"),
+        *servo(name, "sts3215", asked, 8),
     ]
-    with tempfile.TemporaryDirectory() as folder:
-        bam.told(paths, Path(folder) / "raw")
-        best = bam.ours(paths, 8)
-        return found + servo(name, asked, best, Path(folder) / "raw", "sts3215", ("m1", "m3", "m6"))
 
 
-def servo(name, asked, best, logs, actuator, models):
+def servo(name, kind, asked, gain):
     """Our row of a servo, and BAM's with the same time on the same split, if it is installed."""
-    from compare_with_bam import Bam
+    from compare_with_bam import Bam, ours, paths_of
 
-    figure = f"closed loop, gain {best.gain} held out, mean position error"
-    found = [
-        row(name, figure, "frictionjoint", "", f"{best.mean:.4f} rad", f"{best.seconds:.0f}", "1")
-    ]
+    paths = paths_of(asked.data, kind)
+    best = ours(kind, paths, gain)
+    figure = f"closed loop, gain {gain} held out, mean position error"
+    s = f"{best.seconds:.0f}"
+    found = [row(name, figure, "frictionjoint", "", f"{best.mean:.4f} rad", s, "1")]
     if asked.bam:
         with tempfile.TemporaryDirectory() as folder:
             # an installed BAM needs no checkout on the path
-            theirs = Bam(Path(folder), asked.bam, logs, Path(folder), actuator, best.seconds)
-            for model in models:
-                error = f"{theirs.row(best.gain, model, 10**6).mean:.4f} rad"
-                program = f"BAM 1.0.2, {model.upper()}"
-                found.append(row(name, figure, program, "", error, f"{best.seconds:.0f}", "3"))
+            theirs = Bam(Path(folder), asked.bam, paths, Path(folder), kind, best.seconds)
+            for model in ("m1", "m3", "m6"):
+                error = f"{theirs.row(gain, model).mean:.4f} rad"
+                found.append(row(name, figure, f"BAM 1.0.2, {model.upper()}", "", error, s, "3"))
     return found
 
 

@@ -27,9 +27,11 @@ from frictionjoint.control import PRESETS
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
 from frictionjoint.replay.loops import LoopErrors
+from frictionjoint.report.joint_report import Report
 
 ROOT = Path(__file__).resolve().parents[1]
 MODELS = ROOT / "models"
+JOINT = "pendulum"
 STS3215 = {
     "m0.535*": MODELS / "sts3215_pendulum.xml",
     "m0.969*": MODELS / "sts3215_pendulum_heavy.xml",
@@ -60,18 +62,22 @@ class Split:
             return STS3215
         return MODELS / ("emps.xml" if self.servo == "emps" else "xl330_pendulum.xml")
 
-    def row(self) -> str:
+    def report(self) -> Report:
         """Fit, refine, simulate."""
-        begin, worked = time.perf_counter(), time.process_time()
-        axis = self.servo == "emps"
-        r = close_loop(
+        begin, axis = time.perf_counter(), self.servo == "emps"
+        return close_loop(
             self.fit,
             self.model,
-            "carriage" if axis else "pendulum",
+            "carriage" if axis else JOINT,
             self.held_out,
             controller=MODELS / "emps.controller.toml" if axis else PRESETS[self.servo],
             progress=lambda text: print(f"    {time.perf_counter() - begin:5.0f} s  {text}"),
         )
+
+    def row(self) -> str:
+        """A line of the table."""
+        worked, axis = time.process_time(), self.servo == "emps"
+        r = self.report()
         loops = [*(r.closed_loops or ()), *([r.refined.loops] if r.refined else ())]
         errors = [in_mm(x) if axis else f"{x.mae.held_out:.4f}" for x in loops]
         errors += [""] * (3 - len(errors))
@@ -99,7 +105,7 @@ def splits(data: Path) -> Iterator[Split]:
     first, last = split_in_time(whole, LAST)
     yield Split("emps", "last third", [first], [last])
     for servo in ("sts3215", "xl330"):
-        logs = [read_log(path, "pendulum") for path in sorted((data / servo).glob("*.json"))]
+        logs = [read_log(path, JOINT) for path in sorted((data / servo).glob("*.json"))]
         for figure, unit in (("kp", ""), ("mass", " kg")):
             values = sorted({log.metadata[figure] for log in logs})
             for value in values if len(values) > 1 else []:
