@@ -12,9 +12,8 @@ from xml.etree import ElementTree
 import mujoco
 
 from frictionjoint.errors import ModelError, few
-from frictionjoint.missing_meshes import without_missing_meshes
+from frictionjoint.meshes import urdf_spec, without_missing_meshes
 from frictionjoint.mujoco_warnings import as_python_warnings
-from frictionjoint.urdf import with_found_meshes
 
 # kinds of joint with one degree of freedom
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
@@ -27,7 +26,7 @@ def read_spec(model: str | Path, whole: bool = False) -> mujoco.MjSpec:
 
     Args:
         model: path of the file, or an MJCF's text. A URDF's meshes are looked for in its folder and
-            in those above, see `urdf.with_found_meshes`; a warning names removed shapes.
+            in those above, see `urdf_spec`; a warning names removed shapes.
         whole: whether an MJCF must have all its meshes. For dynamics alone, shapes without their
             mesh are removed, see `without_missing_meshes`, with a warning.
     Raises:
@@ -66,16 +65,11 @@ def _read(model: str | Path, whole: bool) -> tuple[mujoco.MjSpec, mujoco.MjModel
         with as_python_warnings(), compiling():
             if text:
                 spec = mujoco.MjSpec.from_string(str(model))
-            elif urdf_given:
-                urdf = with_found_meshes(Path(model))
-                needed = urdf.needed
-                _warn_of_shapes(model, urdf.left_out)
-                spec = mujoco.MjSpec.from_string(urdf.text)
             else:
-                spec = mujoco.MjSpec.from_file(str(model))
-                if not whole:
+                spec = urdf_spec(Path(model)) if urdf_given else mujoco.MjSpec.from_file(str(model))
+                if urdf_given or not whole:
                     folder = Path(model).absolute().parent
-                    left_out, needed = without_missing_meshes(spec, [folder])
+                    left_out, needed = without_missing_meshes(spec, folder)
                     _warn_of_shapes(model, left_out)
             return spec, spec.compile()
     except ValueError as error:
