@@ -104,7 +104,7 @@ class DahlParameters(_DahlCurve, Friction):
 
 @dataclass(frozen=True, kw_only=True)
 class DahlStribeckParameters(_DahlCurve, StribeckFriction):
-    """Dahl's hysteresis scaled by the Stribeck curve, ``law.dahl_stribeck``.
+    """Dahl's hysteresis scaled by the Stribeck curve, ``law.dahl.stribeck_step``.
 
     Attributes:
         sigma0: stiffness at zero torque and low speed, N m/rad, > 0.

@@ -185,8 +185,8 @@ def test_a_recording_of_mujocos_own_identification(tmp_path: Path) -> None:
 
 
 MESHES = """<mujoco><compiler meshdir="parts"/><asset><mesh name="link" file="link.stl"/></asset>
-<worldbody><geom type="mesh" mesh="link"/><body><joint name="j"/>{}<geom type="mesh" mesh="link"/>
-</body></worldbody></mujoco>"""
+<worldbody><body><geom type="mesh" mesh="link"/></body><body><joint name="j"/>{}
+<geom type="mesh" mesh="link"/></body></worldbody></mujoco>"""
 INERTIA = '<inertial pos="0 0 -1" mass="2" diaginertia="1 1 1"/>'
 
 
@@ -195,7 +195,7 @@ def test_missing_meshes_do_not_matter_where_masses_are_given(tmp_path: Path) -> 
     path.write_text(MESHES.format(INERTIA))
     with pytest.warns(RuntimeWarning, match=r"not found: link\.stl; these shapes are ignored"):
         model = compile_model(path)
-    assert (model.ngeom, model.nmesh, model.body_mass[1]) == (0, 0, 2.0)
+    assert (model.ngeom, model.nmesh, model.body_mass[2]) == (0, 0, 2.0)
     with pytest.raises(ValueError, match="Error opening file"):
         read_spec(path, whole=True)
     path.write_text(MESHES.format(""))

@@ -32,7 +32,7 @@ _CONSTANT = 1
 
 
 class EvaluatedModel:
-    """A compiled model in which joints without logged motion are held in place.
+    """A compiled model, at the time step of a log; joints without logged motion are held in place.
 
     Args:
         source: path or text of an MJCF or URDF. recording: of the joints to evaluate.
@@ -50,6 +50,7 @@ class EvaluatedModel:
         self, source: str | Path, recording: Recording, fixed: Mapping[str, Pose] | None
     ) -> None:
         self.model = compile_model(source)
+        self.model.opt.timestep = recording.step
         self.joints = list(recording.logs)
         ids = [require_joint(self.model, name) for name in self.joints]
         joint = mujoco.mjtObj.mjOBJ_JOINT
@@ -58,23 +59,13 @@ class EvaluatedModel:
         self.qpos = self.model.jnt_qposadr[ids].astype(int)
         take_pose(self.model, resolve_poses(self.model, -1, fixed))
         used = {name: self._actuator(name, recording.kinds[name]) for name in self.joints}
-        self.controls = {
-            name: None if i is None else _control_of(self.model, i) for name, i in used.items()
-        }
+        # before MuJoCo 3.12 each actuator has one control
+        first = getattr(self.model, "actuator_ctrladr", range(count_of_actuators(self.model)))
+        self.controls = {n: None if i is None else int(first[i]) for n, i in used.items()}
         self._silence({i for i in used.values() if i is not None})
         self.links = [j for name in self.joints if (j := deflection(self.model, name)) >= 0]
         lock(self.model, *ids, *led, *self.links)
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-
-    @property
-    def acts(self) -> bool:
-        """Whether any actuator still acts."""
-        return count_of_actuators(self.model) > 0
-
-    @property
-    def remembers(self) -> bool:
-        """Whether the model has states that must be integrated: activations, plasticity."""
-        return bool(self.model.na) or bool(getattr(self.model, "nplastic", 0))
 
     def acting(self) -> AbstractContextManager[Any]:
         """Context in which the friction of the model acts."""
@@ -128,11 +119,6 @@ def require_joint(model: mujoco.MjModel, joint: str) -> int:
             f"no hinge or slide joint {joint!r} in the model: it has {few(names, 12) or 'none'}"
         )
     return j
-
-
-def _control_of(model: mujoco.MjModel, i: int) -> int:
-    """Index of an actuator's first control; before MuJoCo 3.12 each actuator has one."""
-    return int(model.actuator_ctrladr[i]) if hasattr(model, "actuator_ctrladr") else i
 
 
 def friction_words(model: mujoco.MjModel, joint: str) -> str:

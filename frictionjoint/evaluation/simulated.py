@@ -26,7 +26,6 @@ def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, A
         simulated minus measured position by joint, rad or m, shape (n,); NaN where not simulated.
     """
     model, data = m.model, mujoco.MjData(m.model)
-    step, model.opt.timestep = model.opt.timestep, recording.step
     led = Prescribed(model, data, recording.led)
     n, every = len(recording.time), along.every
     torques = np.stack(
@@ -51,7 +50,6 @@ def replay(m: EvaluatedModel, recording: Recording, along: Along) -> dict[str, A
                 errors[k + 1] = data.qpos[m.qpos] - measured[k + 1]
             if became_unstable(data):
                 errors[begin + 1 : begin + every + 1] = np.inf
-    model.opt.timestep = step
     return dict(zip(m.joints, errors.T, strict=True))
 
 
@@ -64,7 +62,6 @@ def closed_loop(
         simulated position by joint, at the times of the recording, shape (n,).
     """
     model, data = m.model, mujoco.MjData(m.model)
-    step, model.opt.timestep = model.opt.timestep, recording.step
     led, n = Prescribed(model, data, recording.led), len(recording.time)
     loops = [_Loop(m, recording, name, controllers[name]) for name in m.joints]
     position = np.empty((n, len(loops)))
@@ -82,7 +79,6 @@ def closed_loop(
             if became_unstable(data):
                 position[k:] = np.inf
                 break
-    model.opt.timestep = step
     return dict(zip(m.joints, position.T, strict=True))
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
+from frictionjoint.model_joints import count_of_actuators
 from frictionjoint.replay.prescribed_motion import Free, Prescribed
 from frictionjoint.simulate.thermal import temperature_setters
 
@@ -48,8 +49,7 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     """Compute the torque that a model needs along a recording, at the measured temperatures, and
     states `every` samples apart."""
     model, data = m.model, mujoco.MjData(m.model)
-    before = model.opt.timestep, model.opt.integrator
-    model.opt.timestep = recording.step
+    own_integrator = model.opt.integrator
     moved = Prescribed(model, data, recording.motion | recording.led)
     links = Free(model, data, m.links) if m.links else None
     limits = _Limits(m)
@@ -59,7 +59,9 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     # every look into `data` makes an array anew
     control, qacc = data.ctrl, data.qacc
     inverse, actuator = data.qfrc_inverse, data.qfrc_actuator
-    acts, remembers, dofs, states = m.acts, m.remembers, m.dofs, []
+    acts, dofs, states = count_of_actuators(model) > 0, m.dofs, []
+    # states that must be integrated: activations, plasticity
+    remembers = bool(model.na or getattr(model, "nplastic", 0))
     heats: list[tuple[Callable[[float], None], Array]] = []
     with m.acting():
         model.opt.integrator = _EXPLICIT
@@ -98,7 +100,7 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
             needed[k] = inverse[dofs]
             if remembers:
                 limits.restore()
-                model.opt.integrator = before[1]
+                model.opt.integrator = own_integrator
                 now = data.qpos.copy(), data.qvel.copy(), qacc.copy()
                 mujoco.mj_step(model, data)
                 data.qpos[:], data.qvel[:], qacc[:] = now
@@ -109,13 +111,9 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     given = np.array([m.controls[name] is not None for name in m.joints]) * acting
     needed -= acting - given
     limits.restore()
-    model.opt.timestep, model.opt.integrator = before
-    return Along(
-        dict(zip(m.joints, needed.T, strict=True)),
-        dict(zip(m.joints, given.T, strict=True)),
-        states,
-        every,
-    )
+    model.opt.integrator = own_integrator
+    torques, acted = (dict(zip(m.joints, x.T, strict=True)) for x in (needed, given))
+    return Along(torques, acted, states, every)
 
 
 def _heat(heats: Sequence[tuple[Callable[[float], None], Array]], k: int) -> None:

@@ -25,7 +25,7 @@ from frictionjoint.export.targets import FILES, Target
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
 from frictionjoint.joint_friction import JointFriction
-from frictionjoint.law.presliding import presliding_distance
+from frictionjoint.law.motion import presliding_distance
 from frictionjoint.model_joints import is_slide, mass_at_start
 from frictionjoint.simulate.carrier import install, load_model, read_friction
 from frictionjoint.simulate.shaft_wave import remove_waves, wave_losses

@@ -5,8 +5,8 @@
 ``relaxation``  the exact solution of dr/da = 1 - sgn(r) |r|**n
 ``memory``      the stacks of minima m and maxima M
 ``integrated``  one step of the integrated friction model (1997, and its 2002 modification)
-``bristle``     layout common to the rival laws: ``static``, ``armstrong``, ``dahl``,
-                ``dahl_stribeck``, ``lugre``, ``elastoplastic``, ``maxwell_slip``, one file each
+``bristle``     layout common to the rival laws: ``static``, ``armstrong``, ``dahl`` (two laws),
+                ``lugre``, ``elastoplastic``, ``maxwell_slip``, one file each
 ``kernel``      one entry to all laws
 ``motion``      a law driven along a given motion
 ``tangents``    the same with exact derivatives; its kernels are made from those here

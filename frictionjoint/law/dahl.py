@@ -12,10 +12,12 @@ import math
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.law.bristle import DIRECTION, FH, OWN, RATE, side, total
-from frictionjoint.law.stribeck import FC
+from frictionjoint.law.bristle import DIRECTION, FH, HEADER, OWN, RATE, side, total
+from frictionjoint.law.stribeck import FC, FS, stribeck_level
 
 SIGMA0, EXPONENT = OWN, OWN + 1
+# state behind the header of `stribeck_step`, and its size with this
+Z, STRIBECK_SIZE = HEADER, HEADER + 1
 
 
 @compiled
@@ -49,4 +51,36 @@ def step(P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: 
     X[h + FH] = Fh
     X[h + RATE] = rate
     X[h + DIRECTION] = direction
+    return total(P, p, Fh, rate, v)
+
+
+@compiled
+def stribeck_step(
+    P: Vector, p: int, X: Vector, a: int, h: int, dq: float, dt: float, v: float
+) -> float:
+    """`step` with the hysteresis scaled by the Stribeck curve.
+
+        F     = S(v) z + sigma2 v
+        dz/dx = sigma0 / Fs |1 - z sgn(v)|**i sgn(1 - z sgn(v))
+
+    With Fs = Fc it is Dahl's law. Where the other laws with a Stribeck effect follow the sliding
+    level over a displacement, here the level follows the speed at once, before sliding too: a
+    friction curve over velocity that has been given a presliding, as many simulations have it. The
+    side of the torque says whose level it is, so that the torque is continuous where the motion
+    reverses.
+    """
+    z, rate, direction = X[a + Z], X[a + RATE], X[a + DIRECTION]
+    dx = abs(dq)
+    if dq != 0.0:
+        direction = 1.0 if dq > 0.0 else -1.0
+        Fs = P[side(p, direction) + FS]
+        i = P[p + EXPONENT]
+        w = remaining(1.0 - direction * z, P[p + SIGMA0] * dx / Fs, i)
+        z = direction * (1.0 - w)
+        rate = w**i if w > 0.0 else 0.0
+    Fh = z * stribeck_level(P, side(p, z), dx / dt if dt > 0.0 else 0.0)
+    X[h + FH] = Fh
+    X[h + RATE] = rate
+    X[h + DIRECTION] = direction
+    X[h + Z] = z
     return total(P, p, Fh, rate, v)

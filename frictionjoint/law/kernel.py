@@ -17,7 +17,6 @@ from frictionjoint.law import (
     armstrong,
     bristle,
     dahl,
-    dahl_stribeck,
     elastoplastic,
     integrated,
     lugre,
@@ -40,7 +39,7 @@ def header_size(P: Vector, p: int) -> int:
     if P[p] == ARMSTRONG:
         return armstrong.SIZE
     if P[p] == DAHL_STRIBECK:
-        return dahl_stribeck.SIZE
+        return dahl.STRIBECK_SIZE
     return bristle.HEADER
 
 
@@ -82,7 +81,7 @@ def step_rival(
     if law == DAHL:
         return dahl.step(P, p + 1, X, a, h, dq, dt, v)
     if law == DAHL_STRIBECK:
-        return dahl_stribeck.step(P, p + 1, X, a, h, dq, dt, v)
+        return dahl.stribeck_step(P, p + 1, X, a, h, dq, dt, v)
     if law == ARMSTRONG:
         return armstrong.step(P, p + 1, X, a, h, dq, dt, v)
     if law == STATIC:

@@ -34,8 +34,7 @@ from frictionjoint.identify.noise import clear_of
 from frictionjoint.identify.segment import A_BALANCE
 from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.joint_friction import JointFriction
-from frictionjoint.law.motion import friction_torque
-from frictionjoint.law.presliding import presliding_distance
+from frictionjoint.law.motion import friction_torque, presliding_distance
 from frictionjoint.measured.derivatives import motion_band, on_a_grid, position_noise
 from frictionjoint.measured.log import DRIVES, JointLog, split_at_gaps
 from frictionjoint.measured.lowpass import LowPass, gentle

@@ -8,8 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.law.motion import friction_torque
-from frictionjoint.law.presliding import presliding_distance
+from frictionjoint.law.motion import friction_torque, presliding_distance
 from frictionjoint.parameters import Friction
 from frictionjoint.report.entries import Curve, SimulatedPosition
 from frictionjoint.report.error_figures import STAGES, Stage
