@@ -1,66 +1,17 @@
 """A joint under a load in continuous time, by scipy: motion and law as one differential equation.
 
-Written from the equations alone, with reversals, closings, resets and knots as events; variant
-`ganseman1997`, first loading literal, both directions alike.
+With reversals, closings, resets and knots as events; viscous friction of the positive direction.
 """
 
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from reference.continuous import ContinuousLaw
 from scipy.integrate import solve_ivp
 
-RESET_MARGIN = 1e-3
 # s to pass an event, so that it does not fire again at once
 _PAST = 1e-9
-
-
-class _Law:
-    """What the law remembers; torques are mirrored, so that every motion is an upward one."""
-
-    def __init__(self, p: Any, way: float) -> None:
-        assert p.variant == "ganseman1997"
-        assert p.virgin == "literal"
-        self.p, self.way, self.base, self.virgin = p, way, 0.0, True
-        self.tops: dict[float, list[float]] = {1.0: [], -1.0: []}  # maxima, mirrored minima
-        z, self.Fd = np.array([(0.0, 0.0), *p.knots]).T
-        self.slopes = np.diff(self.Fd) / np.diff(z)
-
-    def level(self, speed: float) -> float:
-        p = self.p
-        return p.Fc_pos + (p.Fs_pos - p.Fc_pos) * np.exp(-((speed / p.Vs_pos) ** p.delta_pos))
-
-    def rate(self, f: float, speed: float) -> float:
-        """dz/dq."""
-        r = (f - self.base) / (self.level(speed) - self.base)
-        # trial steps of the solver may overshoot r = 1 by far
-        return 1.0 - np.sign(r) * min(abs(r), 3.0) ** self.p.n
-
-    def stiffness(self, f: float) -> float:
-        k = int(np.searchsorted(self.Fd[1:], max(f - self.base, 0.0)))
-        return self.slopes[min(k, len(self.slopes) - 1)]
-
-    def outer(self) -> None:
-        """The curve goes on from where it started."""
-        self.base = -self.tops[-self.way][-1] if self.tops[-self.way] else -self.p.Fs_pos
-
-    def reverse(self, f: float) -> float:
-        self.tops[self.way].append(f)
-        self.way, self.virgin, self.base = -self.way, False, -f
-        return -f
-
-    def close(self) -> float:
-        f = self.tops[self.way].pop()
-        if self.tops[-self.way]:
-            self.tops[-self.way].pop()
-        self.outer()
-        return f
-
-    def reset(self) -> None:
-        self.tops[1.0].clear()
-        self.tops[-1.0].clear()
-        self.virgin = False
-        self.outer()
 
 
 def driven(
@@ -70,7 +21,7 @@ def driven(
 
     Args: load: N m, of time and position; at first it pulls the positive way.
     """
-    law = _Law(p, 1.0)
+    law = ContinuousLaw(p, 1.0)
 
     def slope(t, y):
         q, v, f = y
@@ -83,11 +34,10 @@ def driven(
         return law.way * y[1]
 
     def closing(t, y):
-        return y[2] - law.tops[law.way][-1] if law.tops[law.way] else -1.0
+        return law.beyond_closing(y[2])
 
     def reset(t, y):
-        wiped = not (law.virgin or law.tops[1.0] or law.tops[-1.0])
-        return -1.0 if wiped else y[2] - (1.0 - RESET_MARGIN) * law.level(law.way * y[1])
+        return law.beyond_reset(y[2], max(law.way * y[1], 0.0))
 
     def knot(t, y):
         away = y[2] - law.base - law.Fd[1:-1]

@@ -339,11 +339,11 @@ def test_written_trial_holds_no_truth(tmp_path):
 
 
 def test_shipped_log_comes_from_its_script():
-    import make_demo_log as demo
+    import make_logs
 
     folder = ROOT / "frictionjoint" / "demo"
-    trial = simulate(demo.SPEC)
-    for name, log in zip(demo.NAMES, trial.logs, strict=True):
+    trial = simulate(make_logs.DEMO)
+    for name, log in zip(make_logs.names(make_logs.DEMO), trial.logs, strict=True):
         shipped = np.genfromtxt(folder / name, delimiter=",", names=True)
         assert shipped.dtype.names == tuple(log)
         for column, tolerance in (("position_rad", 1e-3), ("torque_nm", 0.05)):

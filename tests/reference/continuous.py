@@ -11,48 +11,85 @@ from scipy.integrate import solve_ivp
 RESET_MARGIN = 1e-3
 
 
+class ContinuousLaw:
+    """What the law remembers; torques are mirrored, so that every motion is an upward one."""
+
+    def __init__(self, p, way: float) -> None:
+        self.p, self.way, self.base, self.virgin = p, way, 0.0, True
+        self.tops: dict[float, list[float]] = {1.0: [], -1.0: []}  # maxima, mirrored minima
+        z, self.Fd = np.array([(0.0, 0.0), *p.knots]).T
+        self.slopes = np.diff(self.Fd) / np.diff(z)
+        self.masing = p.virgin == "masing"
+
+    def _of(self, name: str, way: float) -> float:
+        return getattr(self.p, f"{name}_{'pos' if way > 0 else 'neg'}")
+
+    def level(self, speed: float) -> float:
+        Fs, Fc, Vs, delta = (self._of(name, self.way) for name in ("Fs", "Fc", "Vs", "delta"))
+        return Fc + (Fs - Fc) * np.exp(-((speed / Vs) ** delta))
+
+    def rate(self, f: float, speed: float) -> float:
+        """dz/dq."""
+        S, b = self.level(speed), self.base
+        r = f / S if self.p.variant == "lampaert2002" else (f - b) / (S - b)
+        # trial steps of the solver may overshoot r = 1 by far
+        return 1.0 - np.sign(r) * min(abs(r), 2.0) ** self.p.n
+
+    def stiffness(self, f: float) -> float:
+        scale = 0.5 if self.virgin and self.masing else 1.0
+        k = int(np.searchsorted(self.Fd[1:] * scale, max(f - self.base, 0.0)))
+        return self.slopes[min(k, len(self.slopes) - 1)]
+
+    def beyond_closing(self, f: float) -> float:
+        return f - self.tops[self.way][-1] if self.tops[self.way] else -1.0
+
+    def beyond_reset(self, f: float, speed: float) -> float:
+        wiped = not (self.virgin or self.tops[1.0] or self.tops[-1.0])
+        return -1.0 if wiped else f - (1.0 - RESET_MARGIN) * self.level(speed)
+
+    def reverse(self, f: float) -> float:
+        self.tops[self.way].append(f)
+        if self.virgin and self.masing:
+            self.tops[-self.way].append(f)
+        self.way, self.virgin, self.base = -self.way, False, -f
+        return -f
+
+    def close(self) -> float:
+        f = self.tops[self.way].pop()
+        if self.tops[-self.way]:
+            self.tops[-self.way].pop()
+        self._outer()
+        return f
+
+    def reset(self) -> None:
+        self.tops, self.virgin = {1.0: [], -1.0: []}, False
+        self._outer()
+
+    def _outer(self) -> None:
+        """The curve goes on from where it started."""
+        tops = self.tops[-self.way]
+        self.base = -tops[-1] if tops else -self._of("Fs", -self.way)
+
+
 def continuous_torque(p, velocity: Callable[[float], float], time: np.ndarray) -> np.ndarray:
     """Fh, N m, of a joint that never moved, at the times given, s; velocity in rad/s of t."""
-    z, Fd = np.array([(0.0, 0.0), *p.knots]).T
-    slopes = np.diff(Fd) / np.diff(z)
-    tops: dict[float, list[float]] = {1.0: [], -1.0: []}  # maxima, mirrored minima, no limits
-    state = {"base": 0.0, "virgin": True, "s": float(np.sign(velocity(time[0] + 1e-9)))}
-
-    def side(name: str, s: float) -> float:
-        return getattr(p, f"{name}_{'pos' if s > 0 else 'neg'}")
-
-    def level(t: float) -> float:
-        s = state["s"]
-        Fs, Fc = side("Fs", s), side("Fc", s)
-        return Fc + (Fs - Fc) * np.exp(-((abs(velocity(t)) / side("Vs", s)) ** side("delta", s)))
-
-    def outer_base() -> float:
-        """Where the present curve started, mirrored."""
-        s = state["s"]
-        return -tops[-s][-1] if tops[-s] else -side("Fs", -s)
+    law = ContinuousLaw(p, float(np.sign(velocity(time[0] + 1e-9))))
 
     def slope(t, y):
-        f, b, S = y[0], state["base"], level(t)
-        d = max(f - b, 0.0)
-        scale = 0.5 if state["virgin"] and p.virgin == "masing" else 1.0
-        K = slopes[min(int(np.searchsorted(Fd[1:] * scale, d)), len(slopes) - 1)]
-        r = f / S if p.variant == "lampaert2002" else (f - b) / (S - b)
-        # trial steps of the solver may overshoot r = 1 by far
-        return [K * abs(velocity(t)) * (1.0 - np.sign(r) * min(abs(r), 2.0) ** p.n)]
+        speed = abs(velocity(t))
+        return [law.stiffness(y[0]) * speed * law.rate(y[0], speed)]
 
     def reversal(t, y):
-        return state["s"] * velocity(t)
+        return law.way * velocity(t)
 
     def closing(t, y):
-        return y[0] - tops[state["s"]][-1] if tops[state["s"]] else -1.0
+        return law.beyond_closing(y[0])
 
     def reset(t, y):
-        wiped = not (state["virgin"] or tops[1.0] or tops[-1.0])
-        return -1.0 if wiped else y[0] - (1.0 - RESET_MARGIN) * level(t)
+        return law.beyond_reset(y[0], abs(velocity(t)))
 
-    for event in (reversal, closing, reset):
-        event.terminal = True
-    reversal.direction, closing.direction, reset.direction = -1, 1, 1
+    for event, way in ((reversal, -1), (closing, 1), (reset, 1)):
+        event.terminal, event.direction = True, way
 
     out = np.zeros(len(time))
     t, f = time[0], 0.0
@@ -71,29 +108,17 @@ def continuous_torque(p, velocity: Callable[[float], float], time: np.ndarray) -
         )
         if len(found.t):  # none where the event comes before the next of the times
             first = len(time) - len(wanted)
-            out[first : first + len(found.t)] = state["s"] * found.y[0]
+            out[first : first + len(found.t)] = law.way * found.y[0]
         hit = next((i for i, x in enumerate(found.t_events) if len(x)), None)
         if hit is None:
             break
         t, f = float(found.t_events[hit][0]), float(found.y_events[hit][0, 0])
-        s = state["s"]
         if hit == 0:
-            tops[s].append(f)
-            if state["virgin"] and p.virgin == "masing":
-                tops[-s].append(f)
-            state.update(s=-s, virgin=False)
-            f = -f
-            state["base"] = f
+            f = law.reverse(f)
         elif hit == 1:
-            f = tops[s].pop()
-            if tops[-s]:
-                tops[-s].pop()
-            state["base"] = outer_base()
+            f = law.close()
         else:
-            tops[1.0].clear()
-            tops[-1.0].clear()
-            state["virgin"] = False
-            state["base"] = outer_base()
+            law.reset()
         # past the event, so that it does not fire again at once
         t += 1e-13
     return out
