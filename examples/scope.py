@@ -10,14 +10,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+import frictionjoint as fj
 from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
-from frictionjoint.law.memory import HEADER, N_MAX, N_MIN, RATE
-from frictionjoint.parameters import FrictionParameters
-from frictionjoint.simulate.block import ROW
-from frictionjoint.simulate.carrier import read_friction, resolve
-from frictionjoint.simulate.row import FRONT, GAIN, TORQUE
-from frictionjoint.simulate.torque import sticks
+from frictionjoint.simulate.carrier import read_friction
 
 STICK_COLOUR = (0.10, 0.75, 0.55)
 SLIP_COLOUR = (0.95, 0.45, 0.10)
@@ -30,9 +26,8 @@ class Sample:
     """Friction at one instant.
 
     Attributes:
-        time: s. position: rad. velocity: rad/s. torque: N m, of the law, opposing motion.
-        sticks: the bristles take up most of the motion (dz/dx > 1/2), or the joint rests.
-        depth: number of extrema in memory, without the limits.
+        time: s. position: rad. velocity: rad/s. torque: N m, opposing motion.
+        sticks: see `frictionjoint.torque`. depth: extrema in memory, without the limits.
     """
 
     time: float
@@ -61,17 +56,14 @@ class Scope:
             raise ModelError(
                 f"joint {joint!r} has no friction: choose from {', '.join(carried) or 'none'}"
             )
-        self.joint, self.seconds = joint, seconds
+        self.model, self.joint, self.seconds = model, joint, seconds
         self._id = model.joint(joint).id
         self._q, self._v = int(model.jnt_qposadr[self._id]), int(model.jnt_dofadr[self._id])
-        self._row = int(model.numeric_data[resolve(model)[joint] + ROW])
         law = carried[joint].parameters
-        if not isinstance(law, FrictionParameters):
+        if not isinstance(law, fj.FrictionParameters):
             raise ModelError(f"joint {joint!r} has the law {law.law}: only integrated is drawn")
-        parameters = law.to_dict()
         # the loop is looked at through a window as wide as presliding reaches
-        self._window = float(parameters["knots"][-1][0])
-        self._stribeck = min(law.Vs_pos, law.Vs_neg)
+        self._window = law.knots[-1][0]
         slide = model.jnt_type[self._id] == mujoco.mjtJoint.mjJNT_SLIDE
         self._units = ("m", "N") if slide else ("rad", "N m")
         self._every = seconds / _SAMPLES
@@ -79,16 +71,15 @@ class Scope:
 
     def record(self, data: mujoco.MjData) -> Sample:
         """Read the joint's state after a step; if time goes back, the figures are cleared."""
-        X = data.userdata
-        header = self._row + FRONT + HEADER
-        velocity = float(data.qvel[self._v])
+        friction = fj.torque(self.model, data)[self.joint]
+        memory = fj.remembered(self.model, data)[self.joint]
         sample = Sample(
             float(data.time),
             float(data.qpos[self._q]),
-            velocity,
-            float(X[self._row + TORQUE] + X[self._row + GAIN] * velocity),
-            sticks(velocity, float(X[header + RATE]), self._stribeck),
-            max(0, int(X[header + N_MIN] + X[header + N_MAX]) - 2),
+            float(data.qvel[self._v]),
+            friction.total,
+            friction.sticks,
+            memory.minima + memory.maxima,
         )
         if self._samples and sample.time < self._samples[-1].time:
             self._samples.clear()
