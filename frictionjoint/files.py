@@ -111,15 +111,12 @@ def toml_document(
         comments.append("The unit of torques is that of the log, 1 + gain times the true one.")
     document = _document(comments, parameters.to_dict())
     if effects:
-        tables = tomlkit.aot()
-        for effect in effects:
-            table = tomlkit.table()
-            table.add("effect", effect.effect.name)
-            table.add("form", effect.effect.effect_id)
-            for name, value in effect.named.items():
-                table.add(name, float(value))
-            tables.append(table)
-        document.add("effects", tables)
+        tables = [
+            {"effect": x.effect.name, "form": x.effect.effect_id}
+            | {name: float(value) for name, value in x.named.items()}
+            for x in effects
+        ]
+        document.add("effects", tomlkit.item(tables))
     return document
 
 

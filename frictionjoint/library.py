@@ -134,7 +134,10 @@ def _is_fresh() -> bool:
 
 
 def _rebuild() -> None:
-    """Translate and compile in a process of its own, where kernels are plain Python."""
+    """Translate and compile in a process of its own, where kernels are plain Python.
+
+    Without the folder in which it runs on its path: there another copy of the package may lie.
+    """
     environment = {
         **os.environ,
         "FRICTIONJOINT_PYTHON": "1",
@@ -143,7 +146,7 @@ def _rebuild() -> None:
         ),
     }
     done = subprocess.run(
-        [sys.executable, "-m", "frictionjoint.translate.build", str(FOLDER)],
+        [sys.executable, "-P", "-m", "frictionjoint.translate.build", str(FOLDER)],
         env=environment,
         capture_output=True,
         text=True,

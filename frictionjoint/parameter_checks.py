@@ -80,11 +80,13 @@ def one_of(literal: Any) -> str:
     return "one of " + ", ".join(repr(choice) for choice in get_args(literal))
 
 
-def number_pairs(name: str, values: Any, what: str) -> tuple[tuple[float, float], ...]:
-    """Pairs of finite numbers, or ParameterError: `name` must be pairs `what`."""
+def number_pairs(name: str, values: Any, what: str, most: int) -> tuple[tuple[float, float], ...]:
+    """1 to `most` pairs of finite numbers, or ParameterError: `name` must be pairs `what`."""
     try:
-        return tuple((check_number(name, a), check_number(name, b)) for a, b in values)
+        pairs = tuple((check_number(name, a), check_number(name, b)) for a, b in values)
     except ParameterError:
         raise
     except (TypeError, ValueError):
         raise ParameterError(f"{name} must be pairs {what}") from None
+    require(1 <= len(pairs) <= most, f"number of {name}", len(pairs), f"1 to {most}")
+    return pairs

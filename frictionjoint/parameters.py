@@ -344,8 +344,7 @@ def _segments(knots: Knots) -> Iterator[tuple[float, float, float]]:
 
 
 def _checked_knots(knots: Any, reach: float) -> Knots:
-    pairs = number_pairs("knots", knots, "[z, F] of numbers: rad and N m")
-    require(1 <= len(pairs) <= MOST_KNOTS, "number of knots", len(pairs), f"1 to {MOST_KNOTS}")
+    pairs = number_pairs("knots", knots, "[z, F] of numbers: rad and N m", MOST_KNOTS)
     z0 = F0 = 0.0
     previous = math.inf
     for i, (z, F) in enumerate(pairs):

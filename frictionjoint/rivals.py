@@ -177,11 +177,8 @@ class MaxwellSlipParameters(StribeckFriction):
 
     def _check(self) -> None:
         super()._check()
-        pairs = number_pairs(
-            "elements", self.elements, "[k, fraction of the level], numbers, k in N m/rad"
-        )
-        most = MOST_KNOTS
-        require(1 <= len(pairs) <= most, "number of elements", len(pairs), f"1 to {most}")
+        what = "[k, fraction of the level], numbers, k in N m/rad"
+        pairs = number_pairs("elements", self.elements, what, MOST_KNOTS)
         for i, (k, fraction) in enumerate(pairs):
             require(k > 0, f"elements[{i}] stiffness", k, "> 0")
             require(fraction > 0, f"elements[{i}] fraction", fraction, "> 0")

@@ -7,5 +7,4 @@
 ``differentiate``  derives one kernel with tangents from its source
 ``activity``       which numbers of a kernel have a tangent
 ``particulars``    facts that the source of a kernel does not state
-``terms``          sums of tangents, as source
 """

@@ -28,8 +28,7 @@ class Activity(Kernel):
         super().__init__(kernel)
         self.read(left_out=LEFT_OUT)
         if not wanted:
-            body = self.body[:-1] if isinstance(self.body[-1], ast.Return) else self.body
-            self.body = without_unread(self._without_value(body))
+            self.body = without_unread(self._without_value(self.body))
         self.owner: Any = inspect.getmodule(self.python)
         self.rounded = ROUNDED.get(kernel, {})
         self.exact: set[ast.AST] = set()

@@ -18,8 +18,9 @@ from typing import Any
 
 from frictionjoint.law.tangents.activity import Activity
 from frictionjoint.law.tangents.particulars import HARMLESS, RULES
-from frictionjoint.law.tangents.terms import Terms, added, combined, opposite, times
 
+# source of the factor of each tangent, by the source of the tangent
+Terms = dict[str, str]
 _SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 # derivative of a function with value y at x
 _DERIVATIVES: dict[str, Callable[[str, str], str]] = {
@@ -109,7 +110,7 @@ class Differentiated(Activity):
             return [f"if {self._test(value.test)}:", *_indented(body), *orelse]
         before: list[str] = []
         new, terms = self._differentiate(value, before)
-        return [*before, f"return {new}, {combined(terms)}"]
+        return [*before, f"return {new}, {_combined(terms)}"]
 
     def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
         if isinstance(value, ast.IfExp) and self.moves(value):
@@ -122,7 +123,7 @@ class Differentiated(Activity):
                 return [f"{place} = {ast.unparse(value)}"]
             new, terms = self._differentiate(value, before)
             array, index = ast.unparse(target.value), ast.unparse(target.slice)
-            put = f"put({array}_t, {index}, {combined(terms)})"
+            put = f"put({array}_t, {index}, {_combined(terms)})"
             return [*before, put, f"{place} = {new}"]
         if place not in self.varied:
             return [f"{place} = {ast.unparse(value)}"]
@@ -130,7 +131,7 @@ class Differentiated(Activity):
             call = self._call(value, True, before)
             return [*before, f"{place}, {place}_t = {call}"]
         new, terms = self._differentiate(value, before)
-        return [*before, f"{place}_t = {combined(terms)}", f"{place} = {new}"]
+        return [*before, f"{place}_t = {_combined(terms)}", f"{place} = {new}"]
 
     def _test(self, node: ast.expr) -> str:
         for part in ast.walk(node):
@@ -160,7 +161,7 @@ class Differentiated(Activity):
             return source, {f"at({ast.unparse(node.value)}_t, {ast.unparse(node.slice)})": "1.0"}
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
             value, terms = self._differentiate(node.operand, before)
-            return f"-({value})", opposite(terms)
+            return f"-({value})", _opposite(terms)
         if isinstance(node, ast.BinOp):
             return self._binary(node, before)
         if isinstance(node, ast.Call):
@@ -174,16 +175,16 @@ class Differentiated(Activity):
         b, of_b = self._differentiate(node.right, before)
         value = f"({a}) {_SIGNS[type(node.op)]} ({b})"
         if isinstance(node.op, ast.Add):
-            return value, added(of_a, of_b)
+            return value, _added(of_a, of_b)
         if isinstance(node.op, ast.Sub):
-            return value, added(of_a, opposite(of_b))
+            return value, _added(of_a, _opposite(of_b))
         by_a, by_b = b, a
         if isinstance(node.op, ast.Div):
             by_a, by_b = f"1.0 / ({b})", f"-({value}) * (1.0 / ({b}))"
         elif isinstance(node.op, ast.Pow):
             value = self._held(value, before)
             by_a, by_b = f"({b}) * {value} / ({a})", f"{value} * math.log({a})"
-        return value, added(times(of_a, by_a), times(of_b, by_b))
+        return value, _added(_times(of_a, by_a), _times(of_b, by_b))
 
     def _function(self, node: ast.Call, before: list[str]) -> tuple[str, Terms]:
         if self.kernel_of(node) is not None:
@@ -198,7 +199,7 @@ class Differentiated(Activity):
             self.unknown(node)
         ((x, terms),) = parts
         y = self._held(f"{called}({x})", before)
-        return y, times(terms, _DERIVATIVES[called](x, y))
+        return y, _times(terms, _DERIVATIVES[called](x, y))
 
     def _extreme(
         self, node: ast.Call, parts: list[tuple[str, Terms]], before: list[str]
@@ -210,7 +211,7 @@ class Differentiated(Activity):
         test = f"{b} {order[1]} {a}" if constant else f"{a} {order[0]} {b}"
         name = self._new()
         for head, (value, terms) in zip((f"if {test}:", "else:"), parts, strict=True):
-            before += [head, f"    {name}, {name}_t = {value}, {combined(terms)}"]
+            before += [head, f"    {name}, {name}_t = {value}, {_combined(terms)}"]
         return name, {f"{name}_t": "1.0"}
 
     def _call(self, node: ast.Call, wanted: bool, before: list[str]) -> str:
@@ -231,7 +232,7 @@ class Differentiated(Activity):
             arguments.append(value)
             if f"{name}_t" in taken if taken is not None else self.moves(argument):
                 moving.add(name)
-                arguments.append(combined(terms))
+                arguments.append(_combined(terms))
             elif terms:
                 self.unknown(node)
         if rule:
@@ -253,3 +254,34 @@ class Differentiated(Activity):
 
 def _indented(lines: list[str]) -> list[str]:
     return [f"    {line}" for line in lines]
+
+
+def _times(terms: Terms, factor: str) -> Terms:
+    """A sum with every factor multiplied by another factor."""
+    return {tangent: f"({factor}) * ({x})" for tangent, x in terms.items()}
+
+
+def _opposite(terms: Terms) -> Terms:
+    """A sum with the sign of every factor reversed."""
+    return {tangent: f"-({x})" for tangent, x in terms.items()}
+
+
+def _added(a: Terms, b: Terms) -> Terms:
+    """The total of two sums; the factors of a tangent that occurs in both are added."""
+    both = {tangent: f"({a[tangent]}) + ({x})" if tangent in a else x for tangent, x in b.items()}
+    return a | both
+
+
+def _combined(terms: Terms) -> str:
+    """Source of a sum, as calls of functions in `frictionjoint.law.tangents.direction`."""
+    if not terms:
+        return "ZERO"
+    factors = list(terms.items())
+    if len(factors) == 1:
+        ((tangent, x),) = factors
+        return f"scaled({x}, {tangent})"
+    if len(factors) == 2:
+        return f"sum2({', '.join(f'{x}, {tangent}' for tangent, x in factors)})"
+    first = 4 if len(factors) > 4 else 2
+    parts = (_combined(dict(some)) for some in (factors[:first], factors[first:]))
+    return f"sum2(1.0, {', 1.0, '.join(parts)})"
