@@ -1,4 +1,4 @@
-"""Named arrays from npz, MATLAB and HDF5 files, as real columns of float64 or an error.
+"""Named columns from npz, MATLAB, HDF5 and Parquet files, real and of float64, or an error.
 
 Rows or columns of a matrix are named as in Python: ``q[0]``. HDF5 files are written by data sets of
 robot learning and by MATLAB 7.3; their arrays are named by path, ``observations/qpos[0]``.
@@ -29,9 +29,15 @@ def one_line(error: Exception) -> str:
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
-def corrupt(path: Path, error: Exception) -> LogError:
-    """The error for a file that its parser could not read."""
-    return LogError(f"{path.name}: cannot be read, is it whole? ({one_line(error)})")
+@contextmanager
+def whole(path: Path) -> Iterator[None]:
+    """Raise a LogError for any error of a parser, which raises many kinds on a corrupt file."""
+    try:
+        yield
+    except LogError:
+        raise
+    except Exception as error:
+        raise LogError(f"{path.name}: cannot be read, is it whole? ({one_line(error)})") from None
 
 
 def array_of(name: str) -> str:
@@ -79,13 +85,8 @@ def _part(where: str, source: str, number: int | None, array: Array) -> Array:
 def opened_npz(path: Path) -> Iterator[Any]:
     """The arrays of an .npz file by name. LogError if the file is corrupt, also where an array is
     read within the context."""
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            yield archive
-    except LogError:
-        raise
-    except Exception as error:  # zip, zlib and numpy raise different errors on a corrupt file
-        raise corrupt(path, error) from None
+    with whole(path), np.load(path, allow_pickle=False) as archive:
+        yield archive
 
 
 def npz_names(path: Path) -> list[str]:
@@ -100,24 +101,21 @@ def npz_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
 
 
 def mat_names(path: Path) -> list[str]:
-    try:
+    with whole(path):
         if matlab.is_level_5(path):
             return matlab.variable_names(path)
         return [name for name, _, _ in whosmat(path)]
-    except Exception as error:
-        raise corrupt(path, error) from None
 
 
 def mat_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     wanted = sorted({array_of(name) for name in names})
-    try:
+    with whole(path):
         level_5 = matlab.is_level_5(path)
-        content = matlab.arrays(path, wanted) if level_5 else loadmat(path, variable_names=wanted)
-    except matlab.NotNumbersError as error:
-        raise LogError(f"{path.name}, {error}") from None
-    except Exception as error:
-        raise corrupt(path, error) from None
-    return _columns(path, names, content)
+        try:
+            found = matlab.arrays(path, wanted) if level_5 else loadmat(path, variable_names=wanted)
+        except matlab.NotNumbersError as error:
+            raise LogError(f"{path.name}, {error}") from None
+    return _columns(path, names, found)
 
 
 def is_hdf5(path: Path) -> bool:
@@ -151,10 +149,8 @@ def _opened_hdf5(path: Path) -> Any:
         import h5py
     except ImportError:
         raise LogError(f"{path.name}: reading HDF5 needs h5py: pip install h5py") from None
-    try:
+    with whole(path):
         return h5py.File(path, "r")
-    except OSError as error:
-        raise corrupt(path, error) from None
 
 
 def _columns(path: Path, names: Iterable[str], arrays: Any) -> dict[str, Array]:
@@ -162,3 +158,41 @@ def _columns(path: Path, names: Iterable[str], arrays: Any) -> dict[str, Array]:
     sources = {x: x if x in arrays else array_of(x) for x in names}
     used = {source: arrays[source] for source in {*sources.values()}}
     return {name: column(path, name, used[x], x) for name, x in sources.items()}
+
+
+def parquet_names(path: Path) -> list[str]:
+    with _arrow(path) as arrow:
+        return list(arrow.parquet.read_schema(path).names)
+
+
+def parquet_rows(path: Path, names: Iterable[str], filters: Any = None) -> Any:
+    """Arrow table of some columns; `filters` as pyarrow has them."""
+    with _arrow(path) as arrow:
+        return arrow.parquet.read_table(path, columns=list(names), filters=filters)
+
+
+def parquet_column(path: Path, name: str, of_time: bool) -> Array:
+    """A column of numbers, shape (n,), missing cells NaN; a column `of_time` may be of dates, which
+    become seconds since the first."""
+    with _arrow(path) as arrow:
+        x, types = parquet_rows(path, [name])[name], arrow.types
+    if of_time and types.is_timestamp(x.type):
+        moments = x.to_numpy()
+        return np.asarray((moments - moments[:1]) / np.timedelta64(1, "s"))
+    if not (types.is_floating(x.type) or types.is_integer(x.type)):
+        raise LogError(f"{path.name}, {name}: {x.type} is not a column of numbers")
+    numbers = np.asarray(x.to_numpy(), dtype=np.float64)
+    return numbers if numbers.flags.writeable else numbers.copy()
+
+
+@contextmanager
+def _arrow(path: Path) -> Iterator[Any]:
+    """pyarrow; LogError if it is missing or cannot read the file within the context."""
+    try:
+        import pyarrow.parquet
+    except ImportError:
+        raise LogError(
+            f"{path.name}: reading Parquet needs pyarrow: pip install 'frictionjoint[parquet]'"
+        ) from None
+    with whole(path):
+        yield pyarrow

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured import parquet
-from frictionjoint.measured.arrays import one_line
+from frictionjoint.measured.arrays import one_line, parquet_rows
 from frictionjoint.measured.columns import column_options, one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import ReadOptions, log_of
@@ -166,7 +165,7 @@ def _episode(
         )
     wanted = int(episode)
     columns, rule = ["timestamp", *widths], [("episode_index", "==", wanted)]
-    tables = [parquet.read_rows(file, columns, rule) for file in _files(path, info, wanted)]
+    tables = [parquet_rows(file, columns, rule) for file in _files(path, info, wanted)]
     if not any(table.num_rows for table in tables):
         raise LogError(f"{path.name}: no frame of episode {wanted} below data: is it whole?")
     table = {x: np.concatenate([t[x].to_numpy() for t in tables]) for x in columns}

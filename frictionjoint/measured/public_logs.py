@@ -28,7 +28,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import text_table
-from frictionjoint.measured.arrays import corrupt, mat_columns, mat_names, one_line
+from frictionjoint.measured.arrays import mat_columns, mat_names, one_line, whole
 from frictionjoint.measured.columns import one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import log_of
@@ -72,10 +72,8 @@ def read_emps(path: Path) -> JointLog:
 def read_odrive(path: Path) -> JointLog:
     """Read one recording of the ODrive; rows in messages are samples, counted from 1. LogError for
     another file, and see `validate`."""
-    try:
+    with whole(path):
         rows = np.load(path, allow_pickle=False)
-    except Exception as error:  # numpy raises many kinds on a corrupt file
-        raise corrupt(path, error) from None
     if not isinstance(rows, np.ndarray) or rows.ndim != 2 or len(rows) != 3:
         raise LogError(f"{path.name}: needs three rows: time s, encoder counts, current A")
     if rows.dtype.kind not in "fiu":

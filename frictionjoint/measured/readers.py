@@ -66,24 +66,21 @@ def read_log(
     path = Path(path)
     how = ReadOptions(dict(columns or {}), tuple(signals), wrap, dict(units or {}), drop_nan)
     check_units(how.units)
-    if special := _of_joints(path, how.columns):
-        if how.signals or how.wrap or how.drop_nan:
-            raise LogError(
-                f"{path.name}: --signal, --wrap and --drop-nan apply only to {', '.join(TABLES)}"
-            )
-        return special[0](path, joint, how)
-    kind = path.suffix.lower()
-    if path.is_file() and _is_table(path):
+    kind, special = path.suffix.lower(), _of_joints(path, how.columns)
+    if not special and path.is_file() and _is_table(path):
         if kind == ".mat" and not columns and public_logs.is_emps(column_names(path)):
             return public_logs.read_emps(path)
         return read_table(path, joint, how)
-    if not path.is_dir() and kind not in (".json", ".npy"):
+    if not special and not path.is_dir() and kind not in (".json", ".npy"):
         raise LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
-    if how.columns or how.signals or how.wrap or how.units or how.drop_nan:
-        raise LogError(
-            f"{path.name}: --column, --unit, --signal, --wrap and --drop-nan apply only to "
-            f"{', '.join(TABLES)}"
-        )
+    more = {} if special else {"--column": how.columns, "--unit": how.units}
+    ignored = {**more, "--signal": how.signals, "--wrap": how.wrap, "--drop-nan": how.drop_nan}
+    if any(ignored.values()):
+        *most, last = ignored
+        which = f"{', '.join(most)} and {last}"
+        raise LogError(f"{path.name}: {which} apply only to {', '.join(TABLES)}")
+    if special:
+        return special[0](path, joint, how)
     if path.is_dir():
         return public_logs.read_folder(path, joint)
     return read_bam_json(path, joint) if kind == ".json" else public_logs.read_odrive(path)
@@ -92,8 +89,7 @@ def read_log(
 def _of_joints(
     path: Path, columns: Mapping[str, str] | None
 ) -> tuple[Callable[..., JointLog], Callable[..., list[str]]] | None:
-    """Readers of a log and of its joints' names, for formats that hold all joints of a robot;
-    LogError if there is no such log."""
+    """Readers of a log of all joints of a robot and of their names; LogError: there is no log."""
     if lerobot.is_lerobot(path):
         return lerobot.read_lerobot, lerobot.joints_of_lerobot
     if not path.exists():
@@ -135,12 +131,10 @@ def each_log(
     kept = {Path(x) for x in held_out if not isinstance(x, JointLog)}
     found: list[JointLog | str | Path] = []
     for log in logs:
-        if isinstance(log, JointLog):
+        if isinstance(log, JointLog) or (files := log_files(log)) == [Path(log)]:
             found.append(log)
         else:
-            files = log_files(log)
-            whole = files == [Path(log)]
-            found += [log] if whole else [x for x in files if x not in kept]
+            found += [x for x in files if x not in kept]
     return found
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.arrays import corrupt, part_of
+from frictionjoint.measured.arrays import part_of, whole
 from frictionjoint.measured.columns import HINGE, KNOWN, SLIDE, column_options, one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import ReadOptions, log_of
@@ -132,7 +132,7 @@ def _by_joint(
     order = [name.strip() for name in joints.split(",")] if joints else []
     rows: _Rows = {}
     commands: _Rows = {}
-    try:
+    with whole(path):
         for message, recorded in _messages(path, topic, (_TYPE,), other_than=command):
             for i, name in enumerate(message.name):
                 fields = (message.position, message.velocity, message.effort)
@@ -141,10 +141,6 @@ def _by_joint(
         for message, recorded in _messages(path, command, _COMMANDS) if command else ():
             for name, position in _commanded(path, message, order):
                 commands.setdefault(name, []).append((_nanoseconds(message, recorded), position))
-    except LogError:
-        raise
-    except Exception as error:  # a corrupt bag fails anywhere in the library
-        raise corrupt(path, error) from None
     if not rows:
         raise LogError(f"{path.name}: its JointState messages name no joint")
     # from the first sample, in whole nanoseconds: stamps since 1970 lose digits in a float

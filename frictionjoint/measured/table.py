@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured import arrays, parquet, repairs, text_table, validate
+from frictionjoint.measured import arrays, repairs, text_table, validate
 from frictionjoint.measured.columns import (
     check_names,
     choose,
@@ -205,11 +205,11 @@ def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[s
     requested, see `read_table`."""
     if is_text(path):
         return bare_names(path) if is_bare(path) else layout_of(path).names
+    if path.suffix.lower() == ".parquet":
+        return arrays.parquet_names(path)
     reader = _arrays(path)
-    if not reader and path.suffix.lower() != ".parquet":
-        raise LogError(f"{path.name}: unknown kind of table, give one of {', '.join(TABLES)}")
     if not reader:
-        return parquet.column_names(path)
+        raise LogError(f"{path.name}: unknown kind of table, give one of {', '.join(TABLES)}")
     names = reader[0](path)
     asked = dict.fromkeys((columns or {}).values())
     return [*names, *(x for x in asked if x not in names and arrays.array_of(x) in names)]
@@ -223,7 +223,7 @@ def load_columns(path: Path, names: list[str], time: str) -> dict[str, Array]:
         return text_table.read_columns(path, names, time)
     if reader := _arrays(path):
         return reader[1](path, names)
-    return {name: parquet.read_column(path, name, name == time) for name in names}
+    return {name: arrays.parquet_column(path, name, name == time) for name in names}
 
 
 def _arrays(path: Path) -> _Arrays | None:

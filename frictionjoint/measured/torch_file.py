@@ -21,7 +21,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.arrays import corrupt, one_line
+from frictionjoint.measured.arrays import one_line, whole
 
 # classes of storages, and what their numbers are; a half has no digits to spare for a log
 _STORAGES = {
@@ -47,22 +47,19 @@ class _Storage(NamedTuple):
 def read_tensors(path: Path) -> dict[str, Array]:
     """The tensors and arrays of a file with a table of them, by name, as float64; LogError for
     another file, or one that contains more than tensors and plain containers."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            content = _load(path, archive)
-    except LogError:
-        raise
-    except pickle.UnpicklingError as error:
-        raise LogError(
-            f"{path.name}: contains more than tensors and plain containers ({one_line(error)}): "
-            "save a dict of tensors"
-        ) from None
-    except zipfile.BadZipFile as error:
-        raise LogError(
-            f"{path.name}: not a file of torch.save since PyTorch 1.6 ({one_line(error)})"
-        ) from None
-    except Exception as error:  # a corrupt archive or pickle fails anywhere
-        raise corrupt(path, error) from None
+    with whole(path):
+        try:
+            with zipfile.ZipFile(path) as archive:
+                content = _load(path, archive)
+        except pickle.UnpicklingError as error:
+            raise LogError(
+                f"{path.name}: contains more than tensors and plain containers "
+                f"({one_line(error)}): save a dict of tensors"
+            ) from None
+        except zipfile.BadZipFile as error:
+            raise LogError(
+                f"{path.name}: not a file of torch.save since PyTorch 1.6 ({one_line(error)})"
+            ) from None
     if not isinstance(content, dict):
         raise LogError(
             f"{path.name}: contains a {type(content).__name__}, not a dict of tensors: save a dict"

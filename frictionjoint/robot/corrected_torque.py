@@ -113,7 +113,7 @@ class Along:
         def turned() -> Array:
             step = 1e-5  # rad (m)
             moved = self.state.offset | {joint: self.state.offset.get(joint, 0.0) + step}
-            other = self.regressor.moved(self._trajectory(moved), beyond)
+            other = Regressor(self.tree, self._trajectory(moved), self.state.gravity)
             columns = (self.original.balanced(other.body(b, self.dof)) for b in bodies)
             found = [(x - self.bodies(b)) / step for b, x in zip(bodies, columns, strict=True)]
             return np.array(found)

@@ -6,7 +6,7 @@ parameters, and the numbers are searched through that map: a large change of a b
 small one.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -39,9 +39,8 @@ def fitted_causes(
             refitted, equal in all joints. blocks: of time. own: effects of single joints, by label,
             which are refitted like the laws.
     """
-    here = found.state
-    places = _Places(found)
-    if not len(places):
+    here, places = found.state, _places(found)
+    if not places:
         return found
     factor, target = _squares(joints, blocks, here, places, own)
     prior = np.concatenate([c.prior for c in found.causes]) / np.sqrt(blocks.alike)
@@ -66,7 +65,7 @@ class _Problem:
 
     causes: tuple[Cause, ...]
     before: Corrections
-    places: "_Places"
+    places: Sequence["_Place"]
     at: Array
     here: Array
     factor: Array
@@ -160,43 +159,30 @@ def _moved(state: Corrections, place: _Place, by: float) -> Corrections:
     return replace(state, **{kind: values | {which: values.get(which, 0.0) + by}})
 
 
-class _Places:
-    """Coordinates that causes change: parameters of bodies, by body and number, then others."""
-
-    def __init__(self, found: Found) -> None:
-        bodies: dict[tuple[int, int], None] = {}
-        places: dict[_Place, None] = {}
-        for i in range(len(found.causes)):
-            for low, high, _ in found.pairs(i):
-                for b in np.flatnonzero(np.any(low.phi != high.phi, axis=1)):
-                    bodies |= dict.fromkeys((int(b), k) for k in range(TEN))
-                if np.any(low.gravity != high.gravity):  # one that a small turn hardly changes, too
-                    places |= dict.fromkeys(("gravity", 0, k) for k in range(3))
-                before, after = _coordinates(low), _coordinates(high)
-                places |= dict.fromkeys(p for p in after if before.get(p) != after[p])
-        self.bodies, self.numbers = (
-            np.array([key[k] for key in bodies], dtype=np.int64) for k in (0, 1)
-        )
-        self.others = tuple(places)
-
-    def __len__(self) -> int:
-        return len(self.bodies) + len(self.others)
-
-    def __iter__(self) -> Iterator[_Place]:
-        for b, k in zip(self.bodies.tolist(), self.numbers.tolist(), strict=True):
-            yield "phi", b, k
-        yield from self.others
+def _places(found: Found) -> list[_Place]:
+    """Coordinates that causes change: parameters of bodies, then others."""
+    bodies: dict[_Place, None] = {}
+    others: dict[_Place, None] = {}
+    for i in range(len(found.causes)):
+        for low, high, _ in found.pairs(i):
+            for b in np.flatnonzero(np.any(low.phi != high.phi, axis=1)).tolist():
+                bodies |= dict.fromkeys(("phi", b, k) for k in range(TEN))
+            if np.any(low.gravity != high.gravity):  # one that a small turn hardly changes, too
+                others |= dict.fromkeys(("gravity", 0, k) for k in range(3))
+            before, after = _coordinates(low), _coordinates(high)
+            others |= dict.fromkeys(p for p in after if before.get(p) != after[p])
+    return [*bodies, *others]
 
 
-def _read(state: Corrections, places: _Places) -> Array:
-    found = _coordinates(state) if places.others else {}
+def _read(state: Corrections, places: Sequence[_Place]) -> Array:
+    known = _coordinates(state)
     # the shafts of later causes are not there yet
-    others = [found.get(place, 0.0) for place in places.others]
-    return np.concatenate([state.phi[places.bodies, places.numbers], others])
+    found = [state.phi[int(p[1]), p[2]] if p[0] == "phi" else known.get(p, 0.0) for p in places]
+    return np.array(found, dtype=np.float64)
 
 
 def _moves(
-    state: Corrections, causes: Sequence[Cause], numbers: Sequence[Array], places: _Places
+    state: Corrections, causes: Sequence[Cause], numbers: Sequence[Array], places: Sequence[_Place]
 ) -> Array:
     """Derivatives of coordinates by each number, (coordinate, number), by differences.
 
@@ -217,7 +203,7 @@ def _squares(
     joints: Sequence[FittedJoint],
     blocks: Clock,
     here: Corrections,
-    places: _Places,
+    places: Sequence[_Place],
     own: Callable[[str], bool],
 ) -> tuple[Array, Array]:
     """Factor F and target y: |F dz - y|^2 is the residual of all joints, up to a constant.

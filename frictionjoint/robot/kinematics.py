@@ -4,7 +4,6 @@ MuJoCo's conventions (`mj_kinematics`): the joints of a body act one after the o
 frame; a free joint has its linear motion in the world and its angular motion in the body.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -92,24 +91,13 @@ class Tree:
                 up = int(self.model.body_parentid[up])
         return found
 
-    def along(
-        self,
-        trajectory: Trajectory,
-        known: tuple[list[Frame], list[Dof]] = ([], []),
-        moved: Sequence[int] = (),
-    ) -> tuple[list[Frame], list[Dof]]:
-        """Frames of all bodies, the world first, and all degrees of freedom; of bodies not in
-        `moved` those `known` of a trajectory that differs in the motion of the others."""
+    def along(self, trajectory: Trajectory) -> tuple[list[Frame], list[Dof]]:
+        """Frames of all bodies, the world first, and all degrees of freedom."""
         n, model = len(trajectory), self.model
         still = np.zeros((3, n))
         world = Frame(still, np.tile(np.eye(3)[..., None], n), still, still, still)
         frames, dofs = [world], []
         for b in range(1, model.nbody):
-            if known[0] and b not in moved:
-                at = int(model.body_dofadr[b])
-                frames.append(known[0][b])
-                dofs += known[1][at : at + int(model.body_dofnum[b])]
-                continue
             frame = _attached(frames[model.body_parentid[b]], model.body_pos[b], model.body_quat[b])
             first = int(model.body_jntadr[b])
             for j in range(first, first + int(model.body_jntnum[b])):

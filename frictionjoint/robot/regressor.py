@@ -4,9 +4,7 @@ The force and moment of a body's motion are linear in its ten parameters, and th
 of freedom is their component along its axis (Atkeson, An and Hollerbach 1986).
 """
 
-from collections.abc import Sequence
-from copy import copy
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,15 +23,6 @@ class Regressor:
         self.gravity = np.array(tree.model.opt.gravity if gravity is None else gravity)
         self.frames, self.dofs = tree.along(trajectory)
         self._motions: dict[int, _Motion] = {}
-
-    def moved(self, trajectory: Trajectory, bodies: Sequence[int]) -> Self:
-        """Columns along another trajectory, in which only some bodies move differently."""
-        found = copy(self)
-        found.trajectory = trajectory
-        known = self.frames, self.dofs
-        found.frames, found.dofs = self.tree.along(trajectory, known, bodies)
-        found._motions = {}
-        return found
 
     def body(self, body: int, dof: int) -> Array:
         """Torque at a degree of freedom per unit of a body's ten parameters, shape (n, 10)."""
