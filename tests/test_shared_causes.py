@@ -16,7 +16,7 @@ from arms.arm import (
 )
 from arms.fitted import fitted_joints, joint_logs
 
-from frictionjoint.robot.by_log import disagreements
+from frictionjoint.robot.alternatives import disagreements
 from frictionjoint.robot.joint import first_fit
 from frictionjoint.robot.shared import Settled, shared_causes
 

@@ -11,6 +11,7 @@ import difflib
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured.units import is_foreign, quantity_of
@@ -88,17 +89,9 @@ def driven_joints(table: dict[str, str]) -> list[str]:
     ]
 
 
-def joint_of(source: str, table: dict[str, str], joint: str | None) -> str:
-    """The joint to read: the requested one, or the only one. LogError if it is not in the log, or
-    the log has several and none was requested."""
-    joints = joints_in(table)
-    if not joints:
-        return joint or "joint"
-    return one_joint(source, joints, joint)
-
-
 def one_joint(source: str, joints: Sequence[str], joint: str | None) -> str:
-    """The requested joint of a log, or its only one; errors as `joint_of`."""
+    """The requested joint of a log, or its only one; LogError if it is not in the log, or the log
+    has several and none was requested."""
     if joint is not None and joint in joints:
         return joint
     if joint is None and len(joints) == 1:
@@ -120,56 +113,56 @@ def column_options(
     return found
 
 
-def choose_signals(
-    source: str, table: dict[str, str], joint: str, signals: Iterable[str], used: Iterable[str]
-) -> dict[str, str]:
-    """Name of a signal -> the file's column; one of the joint takes precedence. LogError if there
-    is none, or the column has another meaning, as those `used`."""
-    chosen = {}
-    for name in signals:
-        column = _column(table, joint, name)
-        if column is None:
-            raise LogError(f"{source}: no column {name!r} for --signal, it has {_list(table)}")
-        if column in used:
-            raise LogError(f"{source}: --signal {name}: the fit uses this column anyway, omit it")
-        # a point separates a joint from its quantity
-        chosen[name.replace(".", " ")] = column
-    return chosen
+class Chosen(NamedTuple):
+    """Columns that a joint needs, by our name: of its motion and drive, of the motion of the other
+    joints, of signals, and of controller values. `prefix` stands before its own in the file."""
+
+    joint: str
+    prefix: str
+    columns: dict[str, str]
+    signals: dict[str, str]
+    figures: dict[str, str]
 
 
-def choose_figures(table: dict[str, str], joint: str) -> dict[str, str]:
-    """Name of a controller value -> the file's column; a column of the joint takes precedence."""
-    found = {name: _column(table, joint, name) for name in _FIGURES}
-    return {name: column for name, column in found.items() if column is not None}
-
-
-def _column(table: dict[str, str], joint: str, name: str) -> str | None:
-    """The file's column of a quantity; a column of the joint takes precedence."""
-    return table.get(f"{joint}.{name}", table.get(name))
-
-
-def choose(source: str, table: dict[str, str], joint: str) -> dict[str, str]:
-    """Our column name -> the file's, for the joint and the motion of the others; LogError if time,
-    position or drive is missing, or hinge and slide are mixed."""
+def choose(source: str, table: dict[str, str], joint: str | None, signals: Iterable[str]) -> Chosen:
+    """Columns of the requested joint, or of the only one; LogError: see `one_joint`, or time,
+    position, drive or a signal is missing, hinge and slide are mixed, or a signal is used anyway.
+    """
     joints = joints_in(table)
+    joint = one_joint(source, joints, joint) if joints else joint or "joint"
     prefix = f"{joint}." if joints else ""
     if "time_s" not in table:
         raise LogError(
             f"{source}: no column 'time_s', {_has(table)}; {_fix(prefix, table, joint)}; where "
             "there are no times, give the sample rate, --column time_s=500Hz"
         )
-    chosen = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
+    found = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
     # quantities without a joint name apply to all joints, except motion and drive
     for shared in ("temperature_c", "supply_v"):
         if shared in table:
-            chosen.setdefault(shared, table[shared])
-    _check_kind(source, list(chosen), list(table), prefix, joint)
-    chosen["time_s"] = table["time_s"]
+            found.setdefault(shared, table[shared])
+    _check_kind(source, list(found), list(table), prefix, joint)
+    found["time_s"] = table["time_s"]
     for other in joints:
         for c in _MOTION:
             if other != joint and f"{other}.{c}" in table:
-                chosen[f"{other}.{c}"] = table[f"{other}.{c}"]
-    return chosen
+                found[f"{other}.{c}"] = table[f"{other}.{c}"]
+
+    def column(name: str) -> str | None:
+        """The file's column of a quantity; a column of the joint takes precedence."""
+        return table.get(f"{joint}.{name}", table.get(name))
+
+    further = {}
+    for name in signals:
+        theirs = column(name)
+        if theirs is None:
+            raise LogError(f"{source}: no column {name!r} for --signal, it has {_list(table)}")
+        if theirs in found.values():
+            raise LogError(f"{source}: --signal {name}: the fit uses this column anyway, omit it")
+        # a point separates a joint from its quantity
+        further[name.replace(".", " ")] = theirs
+    figures = {name: theirs for name in _FIGURES if (theirs := column(name)) is not None}
+    return Chosen(joint, prefix, found, further, figures)
 
 
 def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str, joint: str) -> None:

@@ -18,14 +18,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.columns import (
-    check_names,
-    choose,
-    choose_signals,
-    joint_of,
-    joints_in,
-    sample_rate,
-)
+from frictionjoint.measured.columns import check_names, choose, sample_rate
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import DEFAULT, ReadOptions, column_names, load_columns, log_of
 from frictionjoint.measured.units import converted
@@ -59,10 +52,8 @@ def read_joined(
     clocks = {} if together else {file: _clock(file, clock) for file in files}
     places = _rows_by_name(files, mapping) if together else _signals_by_name(clocks, mapping)
     table = check_names(source.name, list(places), mapping) | {"time_s": "time_s"}
-    joint = joint_of(source.name, table, joint)
-    wanted = choose(source.name, table, joint)
+    joint, prefix, wanted, more, _ = choose(source.name, table, joint, how.signals)
     wanted.pop("time_s")
-    more = choose_signals(source.name, table, joint, how.signals, wanted.values())
     which = {ours: places[theirs] for ours, theirs in (wanted | more).items()}
     if together:
         found = {ours: load_columns(file, [name], "")[name] for ours, (file, name) in which.items()}
@@ -76,7 +67,6 @@ def read_joined(
         how = replace(how, units=units)
         note = f"joined from {len(files)} files at the times of the position."
     data = {name: found[name] for name in ("time_s", *wanted)}
-    prefix = f"{joint}." if joints_in(table) else ""
     how, signals = replace(how, drop_nan=False), {name: found[name] for name in more}
     log = log_of(source, joint, data, how, prefix, signals)
     return replace(log, notes=(f"{log.name}: {note}", *log.notes))

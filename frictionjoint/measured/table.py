@@ -14,15 +14,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import arrays, repairs, text_table, validate
-from frictionjoint.measured.columns import (
-    check_names,
-    choose,
-    choose_figures,
-    choose_signals,
-    joint_of,
-    joints_in,
-    sample_rate,
-)
+from frictionjoint.measured.columns import check_names, choose, sample_rate
 from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import FEWEST_ROWS, JointLog
 from frictionjoint.measured.text_layout import Layout, layout_of
@@ -55,10 +47,7 @@ DEFAULT = ReadOptions()
 def read_table(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     """Read one joint from a table; errors as those of `read_log`."""
     table = check_names(path.name, column_names(path, how.columns), how.columns)
-    joint = joint_of(path.name, table, joint)
-    wanted = choose(path.name, table, joint)
-    more = choose_signals(path.name, table, joint, how.signals, wanted.values())
-    figures = choose_figures(table, joint)
+    joint, prefix, wanted, more, figures = choose(path.name, table, joint, how.signals)
     layout = layout_of(path) if _has_header(path) else None
     if layout:
         _require_si(path.name, layout, wanted, how.units)
@@ -72,7 +61,6 @@ def read_table(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     if rate:
         data["time_s"] = np.arange(len(next(iter(data.values())))) / rate
     further = {name: raw[theirs] for name, theirs in more.items()}
-    prefix = f"{joint}." if joints_in(table) else ""
     log = log_of(path, joint, data, how, prefix, further)
     if layout and layout.note:
         log = replace(log, notes=(f"{path.stem}: {layout.note}", *log.notes))

@@ -55,11 +55,6 @@ class Choice:
     numbers: Array = field(default_factory=lambda: np.zeros(0), repr=False)
 
     @property
-    def may_bias_laws(self) -> bool:
-        """Whether its absence may bias the laws."""
-        return self.evidence.held_out_gain > _BENT
-
-    @property
     def parts(self) -> list[tuple[Cause, Array]]:
         """The causes of which its cause consists, each of one body or joint, with all their
         numbers, including those that stay on their bounds and are no columns."""
@@ -106,7 +101,7 @@ def choose(
         if choice is None:
             break
         choices.append(choice)
-        if choice.candidate.shared and choice.may_bias_laws:
+        if choice.candidate.shared and choice.evidence.held_out_gain > _BENT:
             break
     return _together(screened, choices)
 

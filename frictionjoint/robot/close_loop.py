@@ -32,7 +32,7 @@ from frictionjoint.report.robot_report import (
     notes_of,
 )
 from frictionjoint.report.units_report import UnitsReport
-from frictionjoint.robot.by_log import disagreements
+from frictionjoint.robot.alternatives import disagreements
 from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.corrections import write_corrections
 from frictionjoint.robot.exchanged_joints import require_own_columns

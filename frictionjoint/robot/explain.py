@@ -5,13 +5,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from scipy.special import stdtrit
 
+from frictionjoint.arrays import Array, Index, root_mean_square
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.build_report import Runs
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.report_parts import torque_rms
 from frictionjoint.errors import FrictionJointError
+from frictionjoint.identify.blocks import CORRELATION_TIMES, correlation_time
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.fixed_joints import Pose
@@ -30,7 +33,6 @@ from frictionjoint.replay.loops import LoopErrors, Loops
 from frictionjoint.report.entries import Interval
 from frictionjoint.robot.corrected_torque import Along
 from frictionjoint.robot.corrections import Corrections
-from frictionjoint.robot.error_increase import error_increase, replay_increase
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.settle import Settled
 from frictionjoint.robot.torsion import torsion
@@ -212,9 +214,41 @@ def _replay_increase(before: Runs | None, after: Runs | None) -> Interval:
     assert one
     assert other
     if len(one.runs) > len(one.errors):
-        return replay_increase(one.runs, other.runs)
+        both = float(np.sqrt(one.runs.mean()) + np.sqrt(other.runs.mean()))
+        return _interval(other.runs - one.runs, np.ones(len(one.runs)), both)
     # whole logs, from their targets: the difference is gone again after a time
     first, then = (np.concatenate(runs.errors) for runs in (one, other))
     log = np.repeat(np.arange(len(one.errors)), [len(e) for e in one.errors])
-    both = np.isfinite(first) & np.isfinite(then)
-    return error_increase(first[both], then[both], log[both])
+    finite = np.isfinite(first) & np.isfinite(then)
+    return error_increase(first[finite], then[finite], log[finite])
+
+
+def error_increase(before: Array, after: Array, log_index: Index) -> Interval:
+    """95% interval of the difference of two rms errors on the same samples of logs, shape (n,).
+
+    Residuals on the same motion are strongly correlated, so this interval is far narrower than that
+    of either error. Blocks of time span several correlation times of the difference of the squared
+    errors, if the log is long enough.
+    """
+    difference = after**2 - before**2
+    parts: list[Array] = []
+    for log in np.unique(log_index):
+        own = difference[log_index == log]
+        length = CORRELATION_TIMES * correlation_time(own)
+        parts += np.array_split(own, max(1, round(len(own) / length)))
+    sums, counts = np.array([x.sum() for x in parts]), np.array([len(x) for x in parts])
+    return _interval(sums, counts, root_mean_square(before) + root_mean_square(after))
+
+
+def _interval(sums: Array, counts: Array, both: float) -> Interval:
+    """Interval of the difference of two rms values, from block sums of the difference of squares
+    and the sum `both` of the two: a^2 - b^2 = (a - b) (a + b)."""
+    blocks, n = len(sums), float(counts.sum())
+    mean = float(sums.sum()) / n
+    if blocks < 2 or not both:
+        return -np.inf, np.inf
+    spread = sums - mean * counts
+    error = float(np.sqrt(blocks / (blocks - 1) * (spread @ spread))) / n
+    # two-sided 95%
+    half = float(stdtrit(blocks - 1, 0.975)) * error
+    return (mean - half) / both, (mean + half) / both

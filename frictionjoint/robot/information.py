@@ -45,38 +45,27 @@ class Information:
     gram: Array = field(repr=False)
 
 
-def parameters_of(
-    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
-) -> tuple[Parameter, ...]:
-    """All parameters, links first."""
-    found = []
-    for b in links_of(model, joints, moving):
-        mass = max(float(model.body_mass[b]), 1e-3)
-        size = _size(model, b)
-        sizes = (mass, *(mass * size,) * 3, *(mass * size**2,) * 6)
-        found += [
-            Parameter(body_label(model, b), name, unit)
-            for name, unit in zip(NAMES, sizes, strict=True)
-        ]
-    mass_of_joint = np.diag(mass_at_start(model))
-    for name in joints:
-        dof = int(model.joint(name).dofadr[0])
-        found.append(Parameter(name, "rotor inertia", float(mass_of_joint[dof])))
-    return tuple(found)
-
-
-def _size(model: mujoco.MjModel, body: int) -> float:
-    """Length of a body: its radius of gyration or the distance of its centre, m."""
-    mass = max(float(model.body_mass[body]), 1e-9)
-    gyration = float(np.sqrt(model.body_inertia[body].sum() / mass))
-    return max(gyration, float(np.linalg.norm(model.body_ipos[body])), 0.01)
+def _sizes(model: mujoco.MjModel, body: int) -> tuple[float, ...]:
+    """Scales of the ten parameters of a body; its length is its radius of gyration or the distance
+    of its centre."""
+    mass = float(model.body_mass[body])
+    gyration = float(np.sqrt(model.body_inertia[body].sum() / max(mass, 1e-9)))
+    size = max(gyration, float(np.linalg.norm(model.body_ipos[body])), 0.01)
+    mass = max(mass, 1e-3)
+    return mass, *(mass * size,) * 3, *(mass * size**2,) * 6
 
 
 def information(joints: Sequence[FittedJoint], moving: Sequence[str]) -> Information:
     model = joints[0].alongs[0].model
     names = [j.name for j in joints]
-    parameters = parameters_of(model, names, moving)
     bodies = links_of(model, names, moving)
+    parameters = []
+    for b in bodies:
+        scales = zip(NAMES, _sizes(model, b), strict=True)
+        parameters += [Parameter(body_label(model, b), name, size) for name, size in scales]
+    of_dof = np.diag(mass_at_start(model)).tolist()
+    own = ((n, of_dof[int(model.joint(n).dofadr[0])]) for n in names)
+    parameters += [Parameter(n, "rotor inertia", size) for n, size in own]
     G = np.zeros((len(parameters),) * 2)
     for i, joint in enumerate(joints):
         rows = []
@@ -86,7 +75,7 @@ def information(joints: Sequence[FittedJoint], moving: Sequence[str]) -> Informa
             rows.append(np.column_stack([*(along.bodies(b) for b in bodies), rotors]))
         X = np.concatenate(rows) * (joint.fit.weight / joint.left)[:, None]
         G += gram_without(X * [p.size for p in parameters], law_columns(joint))
-    return Information(parameters, G)
+    return Information(tuple(parameters), G)
 
 
 def gram_without(X: Array, known: Array) -> Array:

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.signal import lfilter
 
-from frictionjoint.robot.error_increase import error_increase
+from frictionjoint.robot.explain import error_increase
 
 N, LOGS = 4000, 2
 
