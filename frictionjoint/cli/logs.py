@@ -52,8 +52,7 @@ Model = Annotated[
 
 
 def models_of(model: list[str]) -> str | dict[str, str]:
-    """An MJCF, or one per pattern of log names; FrictionJointError if there are several and
-    one of them has no pattern."""
+    """An MJCF, or one per pattern of log names; FrictionJointError: several without a pattern."""
     if len(model) == 1 and "=" not in model[0]:
         return model[0]
     fix = "with several models write PATTERN=MJCF, e.g. 'heavy*=b.xml'"
@@ -75,8 +74,7 @@ def joints_of(model: list[str]) -> list[str]:
 
 
 def the_joint(asked: str | None, model: list[str]) -> str:
-    """The requested joint, else the only one of a model; ModelError if no joint is requested, and
-    the model does not have exactly one with a name."""
+    """The requested joint, or the model's only one with a name; ModelError if there is no such."""
     if asked is not None:
         return asked
     names, file = joints_of(model), paths_of(model)[0]
@@ -174,8 +172,7 @@ class LogOptions:
         return found
 
     def reader(self, paths: "LogPaths") -> "Callable[[str | Path, str], JointLog]":
-        """A function that reads a joint, "" for the only one, of one of these logs; LogError if a
-        column is not OURS=THEIRS, or a unit not QUANTITY=UNIT."""
+        """A function that reads a joint, or "" for the only one, of a log; LogError: bad option."""
         from frictionjoint.measured.readers import read_log
         from frictionjoint.measured.several_files import read_joined
         from frictionjoint.measured.table import ReadOptions
@@ -249,14 +246,14 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
     """The logs in folders and data sets; those held out, by path or one fraction of each, are not
     fitted. LogError if a folder contains none, one is both fitted and held out, or two fractions
     are given."""
-    from frictionjoint.measured.readers import log_files
+    from frictionjoint.measured.readers import each_log
     from frictionjoint.measured.table import TABLES, is_text
 
     joined: dict[Path, list[Path]] = {}
 
-    def found(paths: list[Path]) -> list[Path]:
+    def found(paths: list[Path], held_out: list[Path]) -> list[Path]:
         if not join:
-            return [file for path in paths for file in log_files(path)]
+            return each_log(paths, held_out)
         folders = [path for path in paths if path.is_dir()]
         loose = [path for path in paths if not path.is_dir()]
         for folder in folders:
@@ -270,12 +267,8 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
     fractions = [float(text) for text in held_out if _is_number(text)]
     if len(fractions) > 1:
         raise LogError("--held-out: give one fraction at most")
-    kept = found([Path(text) for text in held_out if not _is_number(text)])
-    fitted = (
-        [x for path in logs for x in found([path]) if x not in kept or x == path]
-        if not join
-        else found(logs)
-    )
+    kept = found([Path(text) for text in held_out if not _is_number(text)], [])
+    fitted = found(logs, kept)
     held = {path.resolve() for path in kept}
     if same := [path for path in fitted if path.resolve() in held]:
         raise LogError(f"{same[0]} is both fitted and held out: give it once")
@@ -283,14 +276,12 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
 
 
 def columns_of(column: list[str] | None) -> dict[str, str]:
-    """Names of columns in a file, by our names, from texts OURS=THEIRS; FrictionJointError if a
-    text does not have that form."""
+    """The file's column names by ours, from texts OURS=THEIRS; errors as those of `by_name`."""
     return by_name("--column", column or [], "write ours=theirs, e.g. time_s=t")
 
 
 def by_name(option: str, texts: list[str], fix: str) -> dict[str, str]:
-    """Values by name, from the texts NAME=VALUE of an option; FrictionJointError: see `named`, also
-    if a name is given twice."""
+    """Values by name, from an option's texts; FrictionJointError: see `named`, or a name twice."""
     found: dict[str, str] = {}
     for name, value in (named(option, text, fix) for text in texts):
         if name in found:
@@ -300,8 +291,7 @@ def by_name(option: str, texts: list[str], fix: str) -> dict[str, str]:
 
 
 def named(option: str, text: str, fix: str) -> tuple[str, str]:
-    """Both sides of the text NAME=VALUE that an option has; FrictionJointError if the text does not
-    have that form; `fix` is what to write."""
+    """Both sides of an option's text NAME=VALUE; FrictionJointError, with the fix: no such text."""
     name, _, value = text.partition("=")
     if not (name and value):
         raise FrictionJointError(f"{option} {text}: {fix}")

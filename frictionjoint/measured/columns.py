@@ -90,8 +90,7 @@ def driven_joints(table: dict[str, str]) -> list[str]:
 
 
 def one_joint(source: str, joints: Sequence[str], joint: str | None) -> str:
-    """The requested joint of a log, or its only one; LogError if it is not in the log, or the log
-    has several and none was requested."""
+    """The requested joint of a log, or its only one; LogError if it has none such, or several."""
     if joint is not None and joint in joints:
         return joint
     if joint is None and len(joints) == 1:
@@ -103,8 +102,7 @@ def one_joint(source: str, joints: Sequence[str], joint: str | None) -> str:
 def column_options(
     source: str, columns: Mapping[str, str] | None, names: Sequence[str], kind: str
 ) -> list[str | None]:
-    """What ``--column`` says of a kind of log without a table of columns, in the order of names;
-    LogError if it names something else."""
+    """Values of ``--column`` for a log without a table, by names in order; LogError: another."""
     given = dict(columns or {})
     found = [given.pop(name, None) for name in names]
     if given:

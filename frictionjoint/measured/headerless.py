@@ -46,8 +46,7 @@ def bare_names(path: Path) -> list[str]:
 
 
 def bare_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    """Columns by their numbers, shape (n,) each; LogError if a cell is no number, or a row is too
-    short."""
+    """Columns by number, shape (n,) each; LogError for a cell that is no number, or a short row."""
     wanted = list(names)
     _, in_rows = _size(path)
     which = [int(x) - 1 for x in wanted]

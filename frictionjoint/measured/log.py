@@ -1,7 +1,7 @@
 """One measured log of one joint."""
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -113,8 +113,7 @@ class JointLog:
         return self.columns() | positions | velocities | self.signals
 
     def mapped(self, change: Callable[..., Array], *others: "JointLog") -> "JointLog":
-        """The log without `before`, with every array changed by a function of it and of the same
-        array of some other logs."""
+        """The log without `before`, every array changed by a function of those of some logs."""
 
         def of(these: dict[str, Array], *those: dict[str, Array]) -> dict[str, Any]:
             return {name: change(x, *(x[name] for x in those)) for name, x in these.items()}
@@ -174,17 +173,8 @@ def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
     return log.part(slice(0, cut), " (first part)"), last
 
 
-def split_each_in_time(
-    logs: Sequence[JointLog], fraction: float
-) -> tuple[list[JointLog], list[JointLog]]:
-    """First parts of some logs, and their last ones to hold out, see `split_in_time`."""
-    pairs = [split_in_time(log, fraction) for log in logs]
-    return [first for first, _ in pairs], [last for _, last in pairs]
-
-
 def split_at_gaps(log: JointLog) -> list[JointLog]:
-    """The parts of a log between gaps, each with a note; the log itself if it has no gap. LogError
-    if no part is long enough."""
+    """The parts of a log between gaps, with a note on gaps; LogError if none is long enough."""
     step = np.diff(log.time)
     at = np.flatnonzero(step > LARGEST_GAP * float(np.median(step))) + 1
     if not at.size:

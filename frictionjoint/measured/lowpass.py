@@ -21,8 +21,8 @@ from frictionjoint.compiled import compiled, pointer
 
 
 class Spectrum(NamedTuple):
-    """Spectrum of signals, shape (logs, rows, frequencies), without the line through their first
-    and last values, `ends`, shape (logs, rows, 2)."""
+    """Spectra without the line through first and last values: `values`, (logs, rows, frequencies),
+    and `ends`, (logs, rows, 2)."""
 
     values: NDArray[np.complex128]
     ends: Array
@@ -185,8 +185,7 @@ class LowPasses:
 
 
 class _Alike:
-    """Filters with transforms of equal length, computed together; `begin` and `back` are the slices
-    of their logs in the input and in the output."""
+    """Filters with transforms of one length; slices of their logs in the input and output."""
 
     def __init__(
         self, filters: Sequence[LowPass], begin: Sequence[slice], back: Sequence[slice]
@@ -289,8 +288,7 @@ def _fill_back(
     derivative: int,
     out: Array,
 ) -> None:
-    """Fill `out` with the filtered signals of inverse transforms x, shape (logs, k, m), including
-    the contribution of their chords."""
+    """Fill `out` with the signals of inverse transforms, (logs, k, m), including their chords."""
     for i in range(len(n)):
         a, b = begin[i], first[i]
         for k in range(len(out)):

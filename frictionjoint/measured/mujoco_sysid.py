@@ -24,8 +24,7 @@ _KINDS = {2: "_qpos", 3: "_qvel"}
 
 
 def signals(archive: Mapping[str, Array]) -> dict[str, Array] | None:
-    """Each signal at common times, shape (n,) or (n, k), with ``time_s``; None if the archive is
-    not such a recording."""
+    """Each signal and ``time_s`` at common times, shape (n,) or (n, k); None: no such recording."""
     # a single series is saved without a prefix
     alone = "times" in archive and "data" in archive
     series = {

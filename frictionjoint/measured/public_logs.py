@@ -70,8 +70,7 @@ def read_emps(path: Path) -> JointLog:
 
 
 def read_odrive(path: Path) -> JointLog:
-    """Read one recording of the ODrive; rows in messages are samples, counted from 1. LogError for
-    another file, and see `validate`."""
+    """One recording of the ODrive; rows in messages are samples, from 1. LogError: another file."""
     with whole(path):
         rows = np.load(path, allow_pickle=False)
     if not isinstance(rows, np.ndarray) or rows.ndim != 2 or len(rows) != 3:

@@ -9,7 +9,7 @@ folder of logs stands for all of them, see `log_files`.
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
-from typing import Any
+from typing import Any, TypeVar
 
 from frictionjoint.errors import LogError
 from frictionjoint.measured import lerobot, public_logs
@@ -25,6 +25,7 @@ from frictionjoint.measured.units import check_units
 # files of a report that could be logs by their names
 _RESULTS = ("report.json", "evaluation.json", "next_trajectory.csv")
 _KINDS = (*TABLES, *SUFFIXES, ".pt", ".json", ".npy")
+_Log = TypeVar("_Log", bound=JointLog | str | Path)
 
 
 def read_log(
@@ -124,12 +125,11 @@ def log_files(path: str | Path) -> list[Path]:
 
 
 def each_log(
-    logs: Sequence[JointLog | str | Path], held_out: Sequence[JointLog | str | Path] = ()
-) -> list[JointLog | str | Path]:
-    """Logs one by one: those of a folder or data set without those that are held out. LogError if a
-    folder holds no log."""
+    logs: Sequence[_Log], held_out: Sequence[JointLog | str | Path] = ()
+) -> list[_Log | Path]:
+    """Logs one by one: those of a folder without held-out ones; LogError if a folder has none."""
     kept = {Path(x) for x in held_out if not isinstance(x, JointLog)}
-    found: list[JointLog | str | Path] = []
+    found: list[_Log | Path] = []
     for log in logs:
         if isinstance(log, JointLog) or (files := log_files(log)) == [Path(log)]:
             found.append(log)
@@ -139,8 +139,7 @@ def each_log(
 
 
 def joints_with_drive(path: str | Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of the joints with a logged drive; none if the columns name no joint. Arguments and
-    errors as those of `read_log`."""
+    """Joints with a logged drive; none if no column names a joint. Arguments as of `read_log`."""
     path = Path(path)
     if special := _of_joints(path, columns):
         return special[1](path, columns)

@@ -159,8 +159,7 @@ def _nanoseconds(message: Any, recorded: int) -> int:
 
 
 def _commanded(path: Path, message: Any, order: list[str]) -> Iterator[tuple[str, float]]:
-    """Joints of a command with their positions; one without names has those of `order`. LogError if
-    the numbers of names and positions differ."""
+    """Joints of a command, or `order`, with positions; LogError if their numbers differ."""
     if hasattr(message, "data"):
         if len(order) != len(message.data):
             raise LogError(

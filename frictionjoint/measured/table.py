@@ -189,8 +189,7 @@ def is_text(path: Path) -> bool:
 
 
 def column_names(path: Path, columns: Mapping[str, str] | None = None) -> list[str]:
-    """Names of a table's columns, without reading its rows; of matrices those parts that are
-    requested, see `read_table`."""
+    """Names of a table's columns, without reading rows, and requested parts of its matrices."""
     if is_text(path):
         return bare_names(path) if is_bare(path) else layout_of(path).names
     if path.suffix.lower() == ".parquet":

@@ -98,8 +98,7 @@ def check_units(units: Mapping[str, str]) -> None:
 
 
 def converted(source: str, name: str, x: Array, units: Mapping[str, str]) -> Array:
-    """A column in SI units, shape (n,), by our column name, a joint's prefix allowed; LogError if
-    the unit is not one of this quantity."""
+    """A column in SI units, shape (n,), by our name; LogError: not a unit of this quantity."""
     unit = unit_of(name, units)
     if unit is None:
         return x

@@ -47,8 +47,7 @@ _MUST_CHANGE = (*VELOCITIES, *MEASURED_DRIVES)
 
 
 def check_rows(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
-    """Raise LogError, which names the file, unless columns, of shape (n,) each and by name, also
-    with a joint's prefix, are numbers along increasing ``time_s``."""
+    """Raise LogError unless columns, of shape (n,), are numbers along increasing ``time_s``."""
     check_lengths(source, columns)
     for name, x in columns.items():
         check_finite(source, name, x, row)
@@ -56,8 +55,7 @@ def check_rows(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
 
 
 def check_columns(source: str, columns: Mapping[str, Array], row: RowOf) -> None:
-    """Raise LogError if the columns of a log cannot be right; arguments as those of `check_rows`,
-    positions not wrapped."""
+    """Raise LogError if columns, see `check_rows`, positions unwrapped, cannot be right."""
     with np.errstate(over="ignore", invalid="ignore"):
         for name, x in columns.items():
             _check_magnitude(source, name, x, row)
@@ -133,8 +131,7 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
 
 
 def require_motion(source: str, position: Array) -> None:
-    """Raise NoMotionError if a position, shape (n,), has too few different readings for a
-    velocity."""
+    """Raise NoMotionError if a position, shape (n,), has too few readings for a velocity."""
     n = len(np.unique(position))
     if n < _FEWEST_READINGS:
         raise NoMotionError(

@@ -76,8 +76,7 @@ def numbers_of(content: Mapping[str, Any]) -> list[Number]:
 
 
 def changed(content: Mapping[str, Any], number: Number, by: float) -> JointFriction:
-    """The friction with one parameter changed; its transition curve stays consistent.
-    ParameterError if the changed values are not a valid friction."""
+    """The friction with one parameter changed, also its transition curve, or ParameterError."""
     values = numbers_in(content)
     values[list(number.indices)] += by
     return joint_friction(with_numbers(content, values))

@@ -19,18 +19,9 @@ from frictionjoint.identify.blocks import halves
 from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.report.entries import Evidence
+from frictionjoint.robot import compare
 from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
-from frictionjoint.robot.compare import (
-    as_good,
-    better,
-    gain_of,
-    harms,
-    improves,
-    joint_gain,
-    left_of,
-    nearer,
-)
 from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
 
@@ -56,8 +47,7 @@ class Choice:
 
     @property
     def parts(self) -> list[tuple[Cause, Array]]:
-        """The causes of which its cause consists, each of one body or joint, with all their
-        numbers, including those that stay on their bounds and are no columns."""
+        """The causes of one body or joint of which its cause consists, with all their numbers."""
         assert self.candidate.cause is not None
         x = self.candidate.cause.start.copy()
         x[self.candidate.at - self.candidate.first] = self.numbers
@@ -122,8 +112,8 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
         for i, choice in enumerate(kept):
             if not choice.candidate.shared:
                 without = left(kept[:i] + kept[i + 1 :])
-                if not improves(screened.stack, without, now):
-                    idle_ones.append((joint_gain(without, now), i))
+                if not compare.improves(screened.stack, without, now):
+                    idle_ones.append((compare.joint_gain(without, now), i))
         if not idle_ones:
             break
         del kept[min(idle_ones)[1]]
@@ -144,8 +134,8 @@ def redundant(screened: Screened, without: Sequence[Screened]) -> list[tuple[int
     now, found = _left_by_robot(screened), []
     for i, rest in enumerate(without):
         left = _left_by_robot(rest)
-        if not improves(screened.stack, left, now):
-            found.append((joint_gain(left, now), i, left_of(now, left)))
+        if not compare.improves(screened.stack, left, now):
+            found.append((compare.joint_gain(left, now), i, compare.left_of(now, left)))
     found.sort(key=lambda one: one[:2])
     return [(i, ratios) for _, i, ratios in found]
 
@@ -188,25 +178,26 @@ def _next(
     ]
     best = next((r for r in good if wanted(r.candidate)), None)
     shared = any(r.candidate.shared for r in good)
-    if best is None or not (shared or gain_of(now, best.left) > _BENT):
+    if best is None or not (shared or compare.gain_of(now, best.left) > _BENT):
         return None
-    gain = float(now.sum()) - best.total
+    total = float(now.sum())
+    gain = total - best.total
     near = [
         r
         for r in good
         if r is best
-        or (not better(best.left, r.left) and float(now.sum()) - r.total >= (1.0 - TIE) * gain)
+        or (not compare.better(best.left, r.left) and total - r.total >= (1.0 - TIE) * gain)
     ]
     simplest = min((r for r in near if wanted(r.candidate)), key=_simplicity)
     label = simplest.candidate.label
     others = [r for r in rows if r.candidate.label != label]
     ties = dict.fromkeys(r.candidate.label for r in near if r.candidate.label != label)
     evidence = Evidence(
-        gain_of(now, simplest.left),
+        compare.gain_of(now, simplest.left),
         simplest.p_value,
         _frequency(rows, simplest.candidate.changed, rng),
         others[0].candidate.label if others else None,
-        (others[0].total - simplest.total) / float(now.sum()) if others else 0.0,
+        (others[0].total - simplest.total) / total if others else 0.0,
         tuple(ties),
     )
     return Choice(simplest.candidate, evidence)
@@ -246,16 +237,15 @@ def _simplicity(row: _Row) -> tuple[int, bool, int]:
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:
-    better = improves(stack, now, row.left) and not harms(row.left, now)
+    better = compare.improves(stack, now, row.left) and not compare.harms(row.left, now)
     return better and row.p_value <= SIGNIFICANCE
 
 
 def _brings_back(stack: Stack, row: _Row, now: Array, known: Columns, deviation: float) -> bool:
-    """Whether a candidate explains as much and returns compensating bodies, with their `deviation`
-    from the model's values without it, to their nominal values."""
-    if not nearer(0.0, deviation) or not as_good(stack, row.left, now):
+    """Whether a candidate explains as much and brings bodies back to their nominal values."""
+    if not compare.nearer(0.0, deviation) or not compare.as_good(stack, row.left, now):
         return False
-    return nearer(stack.deviation(np.concatenate([known, row.candidate.at])), deviation)
+    return compare.nearer(stack.deviation(np.concatenate([known, row.candidate.at])), deviation)
 
 
 def _frequency(rows: Sequence[_Row], thing: str, rng: np.random.Generator) -> float:

@@ -69,8 +69,7 @@ class Options:
 def close_loop_logs(
     logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
 ) -> Report | RobotReport:
-    """The report of one joint that was named alone, or of a robot; FrictionJointError for bad logs
-    or model, in one line."""
+    """Report of one joint that was named alone, or of a robot; FrictionJointError for bad input."""
     if not logs.alone:
         return close_loop_robot(logs, model, how)
     # one joint has no causes to share; its logs may have different loads
@@ -85,8 +84,7 @@ def close_loop_logs(
 def close_loop_robot(
     logs: RobotLogs, model: str | Path | Mapping[str, str | Path], how: Options
 ) -> RobotReport:
-    """Fit every joint, find shared causes, then the missing effects of each joint, and report;
-    FrictionJointError for bad logs or model, in one line."""
+    """Fit joints, find shared causes and what each joint lacks; errors: see `close_loop_logs`."""
     assert not isinstance(model, Mapping)
     begin = time.perf_counter()
     model, carried = before_friction(model, logs.joints)
@@ -248,8 +246,7 @@ def _error(slope: Array, cov: Array) -> float | None:
 def close_loop_units(
     units: Mapping[str, RobotLogs], model: str | Path | Mapping[str, str | Path], how: Options
 ) -> UnitsReport:
-    """`close_loop_robot` for the logs of each unit; a unit without a result does not stop the
-    others. LogError if none has a result."""
+    """`close_loop_robot` for each unit; those without a result are left out, LogError if all."""
     found: dict[str, RobotReport] = {}
     failed: dict[str, str] = {}
     for name, logs in units.items():

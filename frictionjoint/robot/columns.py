@@ -24,8 +24,7 @@ from frictionjoint.robot.stack import Columns, JointGram, joint_gram
 
 
 def own_effects(joint: FittedJoint, clock: Clock, own: Callable[[str], bool]) -> dict[str, Array]:
-    """Columns of each of the joint's own effects that explains some of its residual, by name; those
-    whose label is not wanted (`own`) are left out."""
+    """Columns of the joint's effects that explain something, by name; `own`: labels wanted."""
     wanted = {e.name for e in CATALOGUE if own(effect_label(e.name, joint.name))}
     if not wanted:
         return {}
@@ -75,8 +74,7 @@ def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> Jo
 
 @dataclass(frozen=True)
 class Common:
-    """One effect of all joints: coefficients relative to each joint's own friction level or
-    viscosity, with their covariance."""
+    """One effect of all joints: coefficients relative to each one's level or viscosity."""
 
     term: EffectTerm
     joints: tuple[str, ...]

@@ -54,8 +54,7 @@ def as_good(stack: Stack, after: Array, before: Array) -> bool:
 
 
 def nearer(deviation: float, other: float) -> bool:
-    """Whether bodies are noticeably nearer to the model's nominal values, by the sums of their
-    squared numbers over the prior variances."""
+    """Whether bodies are clearly nearer to nominal, by squared numbers over prior variances."""
     # the presumption makes the other one's deviation less than 5% as likely
     return deviation < other + 2.0 * float(np.log(SIGNIFICANCE))
 

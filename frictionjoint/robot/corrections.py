@@ -114,8 +114,7 @@ class Corrections:
 
 
 def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
-    """Put corrections into a spec of the same model, which must compile; ModelError if the
-    corrected parameters belong to no physically possible body."""
+    """Put corrections into a spec of the same model; ModelError: no body has the parameters."""
     model = spec.compile()
     before = of_model(model)
     # MJCF has six digits: what differs by less is the same body

@@ -58,8 +58,7 @@ def next_trajectory(
 
 
 class _Robot:
-    """The joints of a model: indices of their positions, their degrees of freedom, and limits of
-    range, speed and torque, shape (joints,)."""
+    """Addresses of the joints in a model; limits of range, speed and torque, shape (joints,)."""
 
     def __init__(self, joints: Sequence[FittedJoint]) -> None:
         model = joints[0].alongs[0].model

@@ -166,8 +166,7 @@ def _alongs(joint: Corrected, after: Fitted) -> list[tuple[Along, ...]]:
 def _law_alone(
     state: Corrections, after: Fitted, alongs: list[tuple[Along, ...]], shapes: Iterable[Shape]
 ) -> Fitted:
-    """The law fitted under other corrections, on the same samples with the same weights, starting
-    from several shapes."""
+    """The law fitted under other corrections, on the same weighted samples, from several shapes."""
     segments, kept = (tuple(a.other(state) for a in x) for x in alongs)
     prepared = replace(after.prepared, segments=segments)
     fits = [refit(prepared, (), shape) for shape in shapes]

@@ -184,10 +184,7 @@ def _read(state: Corrections, places: Sequence[_Place]) -> Array:
 def _moves(
     state: Corrections, causes: Sequence[Cause], numbers: Sequence[Array], places: Sequence[_Place]
 ) -> Array:
-    """Derivatives of coordinates by each number, (coordinate, number), by differences.
-
-    Each cause changes coordinates of its own, so later causes do not matter.
-    """
+    """Derivatives of coordinates by numbers, (coordinate, number): causes share no coordinate."""
     found = []
     for cause, x in zip(causes, numbers, strict=True):
         after = cause.applied(state, x)

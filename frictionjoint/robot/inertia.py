@@ -77,8 +77,7 @@ def possible(phi: Array) -> bool:
 
 
 def write(body: mujoco.MjsBody, phi: Array) -> None:
-    """Give a body of a spec these parameters instead of those from its geoms; ModelError if no
-    physical body has them."""
+    """Give a body of a spec these parameters; ModelError if no physical body has them."""
     if not possible(phi):
         raise ModelError(
             f"body {body.name!r}: mass {phi[0]:.4g} kg and its moments belong to no possible body"

@@ -28,8 +28,7 @@ from frictionjoint.robot.joint import FittedJoint
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of the rigid body: one of the ten of a link, or a rotor's inertia of a joint,
-    which owns it; `size` is its scale, SI units."""
+    """A parameter of a link or of a joint's rotor, its owner; `size` is its scale, SI units."""
 
     owner: str
     name: str
@@ -38,16 +37,14 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Information:
-    """Information of some logs: Gram matrix, shape (k, k), of the scaled columns of the parameters
-    of all links and rotors, in units of the fits' residuals."""
+    """Gram matrix, shape (k, k), of the scaled columns of parameters, in units of the residuals."""
 
     parameters: tuple[Parameter, ...]
     gram: Array = field(repr=False)
 
 
 def _sizes(model: mujoco.MjModel, body: int) -> tuple[float, ...]:
-    """Scales of the ten parameters of a body; its length is its radius of gyration or the distance
-    of its centre."""
+    """Scales of the ten parameters; a length is the radius of gyration or the centre's distance."""
     mass = float(model.body_mass[body])
     gyration = float(np.sqrt(model.body_inertia[body].sum() / max(mass, 1e-9)))
     size = max(gyration, float(np.linalg.norm(model.body_ipos[body])), 0.01)

@@ -19,8 +19,7 @@ _FREE, _BALL, _SLIDE, _HINGE = (
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Trajectory of all coordinates of a model: q, shape (n, nq); velocity v and acceleration a,
-    shape (n, nv)."""
+    """Coordinates of a model: q, shape (n, nq); velocity v and acceleration a, shape (n, nv)."""
 
     q: Array
     v: Array
@@ -57,8 +56,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Dof:
-    """A degree of freedom along a trajectory: its axis in the world, shape (3, n), and a point on
-    it, None for one that moves along the axis."""
+    """A degree of freedom: its axis in the world, shape (3, n); a point on it, None for a slide."""
 
     axis: Array
     point: Array | None

@@ -10,7 +10,7 @@ import numpy as np
 from frictionjoint.errors import LogError, ModelError, NoMotionError, few
 from frictionjoint.identify.matching import joints_to_explain
 from frictionjoint.identify.segment import Segment
-from frictionjoint.measured.log import JointLog, split_each_in_time
+from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.long_logs import shortened
 from frictionjoint.measured.readers import read_log
 from frictionjoint.measured.validate import require_motion
@@ -112,8 +112,8 @@ class RobotLogs:
         self, joint: str, own: list[JointLog], held_out: list[JointLog], fraction: float | None
     ) -> None:
         if fraction is not None:
-            own, ends = split_each_in_time(own, fraction)
-            held_out = [*held_out, *ends]
+            parts = [split_in_time(log, fraction) for log in own]
+            own, held_out = [first for first, _ in parts], [*held_out, *(end for _, end in parts)]
         self.fit[joint], self.held_out[joint] = shortened(own), shortened(held_out)
 
     @property

@@ -14,8 +14,7 @@ from frictionjoint.robot.kinematics import Dof, Frame, Trajectory, Tree, cross, 
 
 
 class Regressor:
-    """Torque columns along one trajectory, with a gravity, m/s^2 in the world, shape (3,); None:
-    the model's."""
+    """Torque columns along a trajectory, with a gravity, m/s^2, shape (3,); None: the model's."""
 
     def __init__(self, tree: Tree, trajectory: Trajectory, gravity: Array | None = None) -> None:
         self.tree = tree
@@ -45,8 +44,7 @@ class Regressor:
         return np.asarray(np.sum(axis * force, axis=0))
 
     def gravity_columns(self, dof: int, phi: Array) -> Array:
-        """Torque at a degree of freedom per m/s^2 of gravity along x, y and z, shape (n, 3); phi is
-        of all bodies, shape (nbody, 10)."""
+        """Torque at a degree of freedom per m/s^2 of gravity, (n, 3); phi: (nbody, 10)."""
         axis, point = self.dofs[dof].axis, self.dofs[dof].point
         moved = np.zeros((len(self.trajectory), 3))
         for b in self.tree.beyond[dof]:

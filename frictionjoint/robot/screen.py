@@ -20,8 +20,7 @@ from frictionjoint.robot.stack import Columns, Stack
 
 @dataclass(frozen=True)
 class Screened:
-    """The stack and the meaning of its columns: of `accepted` causes in the model, and of
-    `candidates`."""
+    """The stack, and what its columns are: `accepted` causes in the model, and `candidates`."""
 
     stack: Stack
     accepted: tuple[Candidate, ...]

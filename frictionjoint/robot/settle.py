@@ -120,13 +120,6 @@ class Settled:
         return tuple(replace(a, alongs=b.alongs) for a, b in zip(found, joints, strict=True))
 
 
-def settle(
-    joints: Sequence[FittedJoint], found: Found, each: Each[FittedJoint, FittedJoint]
-) -> Settled:
-    """Fit causes, from starting numbers, and the laws of joints together."""
-    return Settled(found, tuple(joints), Clock(joints), each).refitted()
-
-
 def _followed(joint: FittedJoint) -> FittedJoint:
     """The law fitted again, from all starts if it may be biased."""
     # to first order the residual holds the shift already; to one below 1% of it a law adapts by

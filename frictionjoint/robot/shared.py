@@ -18,12 +18,13 @@ from frictionjoint.robot.candidate import columns_of
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.choose import Choice, choose, redundant
+from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.columns import Common, common_terms
 from frictionjoint.robot.compare import nearer
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
-from frictionjoint.robot.settle import Settled, settle
+from frictionjoint.robot.settle import Settled
 from frictionjoint.robot.shaft_waves import with_waves
 from frictionjoint.robot.simpler import simpler
 from frictionjoint.robot.workers import Each
@@ -46,17 +47,18 @@ def shared_causes(
     """
     rng = np.random.default_rng(seed)
     model = joints[0].alongs[0].model
-    none = Found(Corrections.none(model))
     known = [j for j in joints if scale_is_determined(j.prepared, j.fit)]
+    own = tuple(known or joints)
+    now = Settled(Found(Corrections.none(model)), own, Clock(own), each).refitted()
     if not known:
-        return settle(joints, none, each)
+        return now
     names = [j.name for j in known]
     alongs = known[0].alongs
     velocity = {n: np.concatenate([a.motion(n)[1] for a in alongs]) for n in names}
     open_ones = list(catalogue(model, names, moving, velocity))
     whole = list(all_links(model, names, moving))
     alike = common_terms(known)
-    now, refused = settle(known, none, each), frozenset[Cause]()
+    refused = frozenset[Cause]()
     common: tuple[tuple[Common, Choice], ...] = ()
     simplest: tuple[Settled, frozenset[str]] | None = None
     # sets of effects of single joints that the causes were fitted with
@@ -129,10 +131,7 @@ def _common(looked: Screened, seen: Sequence[Choice]) -> tuple[tuple[Common, Cho
 
 
 def _grown(now: Settled, new: Sequence[Choice]) -> Settled | None:
-    """The state with all accepted causes, or only the first; None if neither improves the fit.
-
-    The causes were accepted to first order; with refitted laws they may not improve the fit.
-    """
+    """The state with all accepted causes or the first, whichever is better with refitted laws."""
     for several in [new, new[:1]][: len(new)]:
         trial = _without_redundant(_with(now, several))
         parts = {part for choice in several for part, _ in choice.parts}

@@ -23,8 +23,7 @@ from frictionjoint.robot.settle import Settled
 def simpler(
     settled: Settled, causes: Sequence[Cause], common: Sequence[EffectTerm]
 ) -> Iterator[tuple[tuple[int, ...], tuple[Choice, ...]]]:
-    """Replace one or two causes of the model by causes, or common effects, with fewer numbers that
-    explain as much."""
+    """Causes or common effects that explain as much as one or two causes with more numbers."""
     found, left = settled.found, settled.squares_left()
     # effects of all joints alike come one at a time
     alike = () if settled.joints[0].common_effects else common

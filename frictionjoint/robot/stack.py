@@ -129,8 +129,7 @@ class Stack:
         return float(precision @ x**2) / self.clock.alike
 
     def covariance(self, at: Columns) -> Array:
-        """Covariance of coefficients fitted together without priors, (k, k); blocks of time are
-        independent, samples not."""
+        """Covariance of coefficients without priors, (k, k); blocks of time are independent."""
         G = self.total[np.ix_(at, at)] - np.diag(self.precision[at])
         scale = roots(G)
         values, vectors = eigh(G / np.outer(scale, scale))
@@ -186,8 +185,7 @@ class Stack:
 
 
 def least_squares(A: Array, b: Array) -> Array:
-    """Solutions of normal equations, the shortest ones if singular; A has shape (..., k, k), b and
-    the result (..., k)."""
+    """Shortest solutions of normal equations: A of shape (..., k, k), b and result (..., k)."""
     if not b.shape[-1]:
         return b
     scale = roots(A)

@@ -32,8 +32,7 @@ _TURNS = (0.005, 0.01, 0.02, 0.05, 0.1)
 
 
 def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
-    """The gear of a joint with a second encoder in its logs, in the order as prepared; None without
-    one."""
+    """The gear of a joint with a second encoder in its logs, as prepared; None without one."""
     if any(log.motor_position is None for log in logs):
         return None
     ratio, geared = _gears(logs)
@@ -74,10 +73,7 @@ def torsion(logs: Sequence[JointLog], prepared: Prepared) -> Torsion | None:
 
 @dataclass(frozen=True)
 class _Model:
-    """Columns of the twist, the last ones with names.
-
-    The coefficients of these are not negative, but for that of the first, the velocity.
-    """
+    """Columns of the twist; of the last ones, with names, only the velocity's may be negative."""
 
     X: Array
     y: Array
@@ -92,8 +88,7 @@ class _Model:
         return _Model(np.delete(self.X, self._at(name), axis=1), self.y, names)
 
     def estimate(self, name: str) -> tuple[float, float] | None:
-        """Coefficient and standard error by a jackknife over stretches of time; None if the twist
-        has no such part."""
+        """Coefficient and its error, by a jackknife over time; None if there is no such part."""
         if name not in self.names:
             return None
         i, blocks = self._at(name), 20

@@ -52,10 +52,7 @@ def workers(count: int, scheduler: str | None) -> "Iterator[Each]":  # type: ign
 
 
 def _end(pool: ProcessPoolExecutor) -> None:
-    """End all processes at once.
-
-    The pool's own thread may then report cancelled tasks (Python 3.11); this is suppressed.
-    """
+    """End all processes at once; reports of cancelled tasks (Python 3.11) are suppressed."""
     thread: Any = pool._executor_manager_thread  # typeshed has another type
     hook = threading.excepthook
     threading.excepthook = lambda _: None

@@ -61,8 +61,7 @@ def catalogue(
 def all_links(
     model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
 ) -> tuple[Cause, ...]:
-    """Inertial parameters of all links that joints with logged drive or motion move, as one cause;
-    none for a single link."""
+    """Inertial parameters of all links as one cause, see `catalogue`; none for a single link."""
     found = _bodies(model, joints, moving, ("all ten",))
     return (Links(tuple(found)),) if len(found) > 1 else ()
 

@@ -66,8 +66,7 @@ class Cause(ABC):
 
     @property
     def prior(self) -> Array:
-        """Standard deviation of each number around the model's value, shape (k,); inf without a
-        prior."""
+        """Standard deviation of each number around the model's value, shape (k,); inf: no prior."""
         return np.full(len(self.bounds), np.inf)
 
     def rays(self, x: Array) -> list[Array]:

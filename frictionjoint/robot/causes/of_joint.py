@@ -54,8 +54,7 @@ class RotorInertia(OfJoint):
 
 
 class JointOffset(OfJoint):
-    """An encoder with a zero that differs from the model's. Number: what to add to the measured
-    position, rad (m for a slide)."""
+    """A wrong encoder zero. Number: what to add to the measured position, rad (m for a slide)."""
 
     name: ClassVar[str] = "joint-offset"
     quantity: ClassVar[str] = "offset"

@@ -12,8 +12,7 @@ from frictionjoint.robot.corrections import Corrections
 
 @dataclass(frozen=True)
 class Together(Cause):
-    """Numbers: those of each of the members, in order; `where` is the key of their places in the
-    report."""
+    """Numbers: those of the members, in order; `where` is the report's key of their places."""
 
     members: tuple[Cause, ...]
     where: ClassVar[str]
