@@ -90,8 +90,8 @@ def test_load_under_corrections_is_that_of_the_corrected_model(arm, logs, kind, 
 def test_a_shafts_torque_is_the_tendons(arm, logs):
     """All but Coulomb friction through MuJoCo's tendon; that is added to it."""
     concave = 0.4 if tendon_polynomial() else 0.0
-    even = Shaft(("j2", "j3"), -1.0, 2.0, level=0.3, viscous=0.2, concave=concave, inertia=0.05)
-    wavy = replace(even, waves=7.0, sin=0.1, cos=-0.2)
+    even = Shaft(("j2", "j3"), -1.0, 2.0, numbers=(0.3, 0.2, concave, 0.05, 0.0, 0.0))
+    wavy = replace(even, waves=7.0, numbers=(*even.numbers[:4], 0.1, -0.2))
     for joint, shaft in itertools.product(JOINTS, (even, wavy)):
         body = RigidBody(arm, joint)
         prepared = prepare([logs[joint]], body)

@@ -18,12 +18,12 @@ from frictionjoint.measured.units import is_foreign, quantity_of
 
 HINGE = ("position_rad", "velocity_rad_s", "torque_nm", "target_rad")
 SLIDE = ("position_m", "velocity_m_s", "force_n", "target_m")
-_BOTH = ("voltage_v", "current_a", "supply_v", "temperature_c", "motor_position_rad")
+BOTH = ("voltage_v", "current_a", "supply_v", "temperature_c", "motor_position_rad")
 POSITIONS, VELOCITIES = (HINGE[0], SLIDE[0]), (HINGE[1], SLIDE[1])
 TARGET_OF = {"position_rad": "target_rad", "position_m": "target_m"}
 MEASURED_DRIVES = ("torque_nm", "force_n", "voltage_v", "current_a")
 _DRIVES = (*MEASURED_DRIVES, *TARGET_OF.values())
-KNOWN = (*HINGE, *SLIDE, *_BOTH)
+KNOWN = (*HINGE, *SLIDE, *BOTH)
 # controller values that a log may contain
 _FIGURES = ("kp", "kd", "ki", "vin")
 _OURS = ("time_s", *KNOWN, *_FIGURES)

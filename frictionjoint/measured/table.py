@@ -8,13 +8,14 @@ of 10 million rows take 320 MB, with a peak of 930 MB (CSV) or 770 MB (Parquet).
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured import arrays, repairs, text_table, validate
-from frictionjoint.measured.columns import check_names, choose, sample_rate
+from frictionjoint.measured.columns import BOTH, HINGE, SLIDE, check_names, choose, sample_rate
 from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import FEWEST_ROWS, JointLog
 from frictionjoint.measured.text_layout import Layout, layout_of
@@ -28,6 +29,9 @@ _ARRAYS: dict[str, _Arrays] = {
     **dict.fromkeys(arrays.HDF5_ENDINGS, (arrays.hdf5_names, arrays.hdf5_columns)),
 }
 _SHARED = ("time_s", "temperature_c", "supply_v", "torque_enabled")
+# of a log, in the order of the columns of a hinge or slide, and of both
+_ALSO = ("voltage", "current", "supply", "temperature", "motor_position")
+_FIELDS = ("position", "velocity", "torque", "target", *_ALSO)
 
 
 @dataclass(frozen=True)
@@ -152,19 +156,13 @@ def log_of(
 
     slide = "position_m" in data
     enabled = None if "torque_enabled" in signals else data.get("torque_enabled")
+    columns = dict(zip(_FIELDS, (*(SLIDE if slide else HINGE), *BOTH), strict=True))
+    fields: dict[str, Any] = {field: data.get(column) for field, column in columns.items()}
     return JointLog(
         name=path.stem,
         joint=joint,
         time=data["time_s"],
-        position=data["position_m" if slide else "position_rad"],
-        velocity=data.get("velocity_m_s" if slide else "velocity_rad_s"),
-        torque=data.get("force_n" if slide else "torque_nm"),
-        voltage=data.get("voltage_v"),
-        current=data.get("current_a"),
-        temperature=data.get("temperature_c"),
-        target=data.get("target_m" if slide else "target_rad"),
-        supply=data.get("supply_v"),
-        motor_position=data.get("motor_position_rad"),
+        **fields,
         torque_enabled=None if enabled is None else enabled > 0.5,
         slide=slide,
         other_positions=others("position"),

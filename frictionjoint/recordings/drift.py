@@ -59,11 +59,7 @@ def known_of(report: Path, joint: str | None = None) -> Known:
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
     """Compare each parameter of a known friction with new logs."""
-    return judged(known, [Estimates(known, log) for log in logs])
-
-
-def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
-    """The same for the estimates of new logs."""
+    found = [Estimates(known, log) for log in logs]
     rows, keys = [], [entry.key for entry in entries(known.posterior.content)]
     for i, (number, before, error) in enumerate(
         zip(known.numbers, known.values, known.stderr, strict=True)
@@ -94,9 +90,8 @@ def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
 
 
 def _together(found: Sequence[Estimates], i: int) -> tuple[float, float, float]:
-    """Mean of a parameter over new logs, its standard error, including their differences, and the
-    degrees of freedom of that error. Logs along which it changes no torque do not count.
-    """
+    """Mean of a parameter over new logs, its standard error, including their differences, and that
+    error's degrees of freedom. Logs along which it changes no torque do not count."""
     own = [x for x in found if x.stderr[i] > 0.0] or found[:1]
     if len(own) == 1:
         return float(own[0].value[i]), float(own[0].stderr[i]), own[0].dof

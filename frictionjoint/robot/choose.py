@@ -188,7 +188,11 @@ def _next(
         if r is best
         or (not compare.better(best.left, r.left) and total - r.total >= (1.0 - TIE) * gain)
     ]
-    simplest = min((r for r in near if wanted(r.candidate)), key=_simplicity)
+    # fewest numbers first, then causes of the robot, in the catalogue's order
+    simplest = min(
+        (r for r in near if wanted(r.candidate)),
+        key=lambda r: (len(r.candidate.at), r.candidate.cause is None, r.candidate.first),
+    )
     label = simplest.candidate.label
     others = [r for r in rows if r.candidate.label != label]
     ties = dict.fromkeys(r.candidate.label for r in near if r.candidate.label != label)
@@ -229,11 +233,6 @@ def within_bounds(stack: Stack, candidate: Candidate, known: Columns) -> Candida
             return None
         at, room = at[inside], room[inside]
     return None
-
-
-def _simplicity(row: _Row) -> tuple[int, bool, int]:
-    """Sort key: fewest numbers first, then causes of the robot, in the catalogue's order."""
-    return len(row.candidate.at), row.candidate.cause is None, row.candidate.first
 
 
 def _justified(stack: Stack, row: _Row, now: Array) -> bool:

@@ -157,7 +157,7 @@ class Along:
             if change:
                 found += self.offset(name) * change
         for shaft, other in zip(after.shafts, before.shafts, strict=True):
-            step = shaft.numbers - other.numbers
+            step = np.subtract(shaft.numbers, other.numbers)
             if np.any(step):
                 found += self._once(shaft.bare, partial(self.kept_shaft, shaft)) @ step
         return found

@@ -10,8 +10,6 @@ from frictionjoint.identify.rigid_body import TURNS
 from frictionjoint.robot.inertia import of_model, write
 from frictionjoint.simulate.shaft_wave import add_wave
 
-SHAFT_NUMBERS = ("level", "viscous", "concave", "inertia", "sin", "cos")
-
 
 @dataclass(frozen=True)
 class Shaft:
@@ -20,43 +18,22 @@ class Shaft:
     Attributes:
         joints: names. ratio: of the second joint's angle to the first one's in the shaft's angle.
         top: speed above which its concave friction is constant, rad/s.
-        level, viscous, concave, inertia: its friction, N m and N m s/rad, and its inertia, kg m^2,
-            seen from the first joint; concave: its slope at low speed, see `concave_friction`.
-        waves: angular frequency of the friction level along the shaft, 1/rad. sin, cos: of that
-            wave, N m, at the shaft angle that the joints measure.
+        waves: angular frequency of the friction level along the shaft, 1/rad.
+        numbers: friction level, N m; viscous and concave friction, N m s/rad, the second its slope
+            at low speed, see `concave_friction`; inertia, kg m^2; all seen from the first joint;
+            sine and cosine of the level's wave, N m, at the shaft angle that the joints measure.
     """
 
     joints: tuple[str, str]
     ratio: float
     top: float
-    level: float = 0.0
-    viscous: float = 0.0
-    concave: float = 0.0
-    inertia: float = 0.0
     waves: float = 0.0
-    sin: float = 0.0
-    cos: float = 0.0
-
-    @property
-    def numbers(self) -> Array:
-        """The values of `SHAFT_NUMBERS`, shape (6,)."""
-        return np.array([getattr(self, name) for name in SHAFT_NUMBERS])
+    numbers: tuple[float, ...] = (0.0,) * 6
 
     @property
     def bare(self) -> "Shaft":
         """The shaft without friction and inertia."""
-        return Shaft(self.joints, self.ratio, self.top, waves=self.waves)
-
-    def moved(self, number: int, by: float) -> "Shaft":
-        """The shaft with one of its numbers changed."""
-        name = SHAFT_NUMBERS[number]
-        return replace(self, **{name: getattr(self, name) + by})
-
-    @property
-    def damping(self) -> Array:
-        """Coefficients of a tendon's damping by powers of speed, shape (3,)."""
-        curve = np.array([1.0, -1.0 / self.top, 1.0 / (3.0 * self.top**2)])
-        return np.array([self.viscous, 0.0, 0.0]) + self.concave * curve
+        return Shaft(self.joints, self.ratio, self.top, self.waves)
 
     def per_turn(self, joint: str) -> float:
         return dict(zip(self.joints, (1.0, self.ratio), strict=True)).get(joint, 0.0)
@@ -132,18 +109,17 @@ def write_corrections(spec: mujoco.MjSpec, found: Corrections) -> None:
         joint = spec.joint(name)
         joint.ref = float(joint.ref) - (np.degrees(angle) if spec.compiler.degree else angle)
     for shaft in found.shafts:
-        tendon = spec.add_tendon(
-            name=f"shaft of {shaft.joints[0]} and {shaft.joints[1]}",
-            frictionloss=shaft.level,
-            armature=shaft.inertia,
-        )
-        tendon.damping = shaft.damping if tendon_polynomial() else shaft.viscous
-        tendon.wrap_joint(shaft.joints[0], 1.0)
-        tendon.wrap_joint(shaft.joints[1], shaft.ratio)
+        first, second = shaft.joints
+        level, viscous, concave, inertia, sin, cos = shaft.numbers
+        name = f"shaft of {first} and {second}"
+        tendon = spec.add_tendon(name=name, frictionloss=level, armature=inertia)
+        # by powers of speed
+        curve = concave * np.array([1.0, -1.0 / shaft.top, 1.0 / (3.0 * shaft.top**2)])
+        tendon.damping = np.array([viscous, 0.0, 0.0]) + curve if tendon_polynomial() else viscous
+        tendon.wrap_joint(first, 1.0)
+        tendon.wrap_joint(second, shaft.ratio)
         if shaft.waves:
-            turns_over = TURNS * shaft.top
-            wave = shaft.ratio, shaft.waves, shaft.sin, shaft.cos
-            add_wave(spec, tendon.name, *wave, turns_over)
+            add_wave(spec, name, shaft.ratio, shaft.waves, sin, cos, TURNS * shaft.top)
 
 
 def _keep_inertias(spec: mujoco.MjSpec, model: mujoco.MjModel, phi: Array) -> None:

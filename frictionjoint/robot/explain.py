@@ -115,7 +115,11 @@ class Explained:
         before, runs = Fitted(trace.prepared, found.kept_back, trace.base), found.runs[0]
         self.with_all = report.before_torque
         if joint.without:
-            alongs = _alongs(joint, after)
+            # fitted logs, and held-out logs, as their load is under the corrections
+            user, state = RigidBody(task.user, task.joint, task.fixed), joint.corrections
+            kept = after.kept_back.segments if after.kept_back else ()
+            logs = trace.prepared.segments, kept
+            alongs = [tuple(Along(user, s, state) for s in segments) for segments in logs]
             shapes = joint.shape, trace.base.shape
             before = _law_alone(joint.original, after, alongs, shapes)
             runs, loops = _replays(before, task)
@@ -153,14 +157,6 @@ def explain_joint(joint: Corrected) -> Explained | str:
         return str(error)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         return f"{joint.task.joint}: the search broke down ({error}): name it alone with --joint"
-
-
-def _alongs(joint: Corrected, after: Fitted) -> list[tuple[Along, ...]]:
-    """Fitted logs, and held-out logs, as their load is under the corrections."""
-    task, state = joint.task, joint.corrections
-    body = RigidBody(task.user, task.joint, task.fixed)
-    kept_back = after.kept_back.segments if after.kept_back else ()
-    return [tuple(Along(body, s, state) for s in x) for x in (after.prepared.segments, kept_back)]
 
 
 def _law_alone(

@@ -153,7 +153,9 @@ def _moved(state: Corrections, place: _Place, by: float) -> Corrections:
         return replace(state, gravity=state.gravity + by * np.eye(3)[number])
     if kind == "shaft":
         shafts = list(state.shafts)
-        shafts[int(which)] = shafts[int(which)].moved(number, by)
+        numbers = list(shafts[int(which)].numbers)
+        numbers[number] += by
+        shafts[int(which)] = replace(shafts[int(which)], numbers=tuple(numbers))
         return replace(state, shafts=tuple(shafts))
     values = getattr(state, kind)
     return replace(state, **{kind: values | {which: values.get(which, 0.0) + by}})

@@ -19,10 +19,6 @@ class BaseTilt(Cause):
     steps = np.full(2, 1e-4)
     bounds = (FREE, FREE)
 
-    @property
-    def place(self) -> dict[str, str]:
-        return {}
-
     def applied(self, state: Corrections, x: Array) -> Corrections:
         axes = _across(state.gravity)
         turned = Rotation.from_rotvec(x @ axes).apply(state.gravity)

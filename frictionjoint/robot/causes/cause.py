@@ -30,9 +30,9 @@ class Cause(ABC):
     among: float = 1.0
 
     @property
-    @abstractmethod
     def place(self) -> dict[str, str]:
-        """Place where the cause acts: a body, or one or two joints, by key of the report."""
+        """Bodies or joints where the cause acts, by key of the report; none: the whole robot."""
+        return {}
 
     @property
     def label(self) -> str:

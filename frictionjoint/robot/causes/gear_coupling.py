@@ -5,13 +5,13 @@ The TX40's sixth motor turns with the sum of joints 5 and 6 (Gautier and Janot).
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import FREE, POSITIVE, Cause
-from frictionjoint.robot.corrections import SHAFT_NUMBERS, Corrections, Shaft, tendon_polynomial
+from frictionjoint.robot.corrections import Corrections, Shaft, tendon_polynomial
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class GearCoupling(Cause):
 
     def applied(self, state: Corrections, x: Array) -> Corrections:
         """The shaft, as one more tendon."""
-        numbers: dict[str, Any] = dict(zip(SHAFT_NUMBERS, map(float, x), strict=False))
-        return replace(state, shafts=(*state.shafts, replace(self.shaft, **numbers)))
+        shaft = replace(self.shaft, numbers=(*x.tolist(), 0.0, 0.0)[:6])
+        return replace(state, shafts=(*state.shafts, shaft))
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """Losses, inertia and ratio of the shaft, and its wave if it has one."""
