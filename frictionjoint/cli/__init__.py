@@ -10,20 +10,17 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from frictionjoint.cli.close_loop import close_loop
-from frictionjoint.cli.compare import compare
 from frictionjoint.cli.data import data
 from frictionjoint.cli.demo import demo
-from frictionjoint.cli.drift import drift
 from frictionjoint.cli.evaluate import evaluate
 from frictionjoint.cli.export import export
-from frictionjoint.cli.identify import identify
+from frictionjoint.cli.fits import close_loop, identify
 from frictionjoint.cli.inspect import inspect
 from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
 from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
 from frictionjoint.cli.plot import plot
-from frictionjoint.cli.sample import sample
+from frictionjoint.cli.reports import compare, drift, sample
 from frictionjoint.errors import FrictionJointError
 
 # what was warned of in this run

@@ -32,7 +32,6 @@ Joints = Annotated[
         "the logs contain.",
     ),
 ]
-ReportJoint = Annotated[str | None, option("NAME", "Joint, if the report is of a robot.")]
 Columns = Annotated[
     list[str] | None,
     option(

@@ -40,6 +40,7 @@ _ODRIVE_RAD_PER_COUNT = 2 * np.pi / 8192
 _PANDA = tuple(f"joint{i}" for i in range(1, 8))
 # numbers per sample in each file
 _PANDA_FILES = {"time": 1, "positions": 7, "velocity": 7, "torques": 7}
+_PANDA_FILE = "exciting_traj_{}.txt"
 _TX40_COLUMNS = [f"Joint_{i}" for i in range(1, 7)]
 _TX40 = tuple(name.lower() for name in _TX40_COLUMNS)
 _TX40_POSITIONS, _TX40_CURRENTS = "pos_read_data.csv", "curr_data.csv"
@@ -84,24 +85,19 @@ def read_odrive(path: Path) -> JointLog:
 
 def joints_of_folder(folder: Path) -> tuple[str, ...]:
     """Names of the joints in the Panda's or the TX40's log; none in other folders."""
-    return _PANDA if _is_panda(folder) else _TX40 if _is_tx40(folder) else ()
+    if any((folder / _PANDA_FILE.format(x)).is_file() for x in ("time", "positions")):
+        return _PANDA
+    return _TX40 if (folder / _TX40_POSITIONS).is_file() else ()
 
 
 def read_folder(folder: Path, joint: str | None) -> JointLog:
     """Read one joint of the Panda's or the TX40's log; LogError for another folder, an unknown
     joint, a missing or corrupt file, or see `validate`."""
-    if _is_panda(folder):
-        return _read_panda(folder, joint)
-    if _is_tx40(folder):
-        return _read_tx40(folder, joint)
-    raise LogError(
-        f"{folder.name}: a folder, but no ROS 2 bag, LeRobot data set, Panda or TX40 log: name a "
-        "file in it"
-    )
-
-
-def _is_panda(folder: Path) -> bool:
-    return any(_panda_file(folder, name).is_file() for name in ("time", "positions"))
+    joints = joints_of_folder(folder)
+    if not joints:
+        known = "ROS 2 bag, LeRobot data set, Panda or TX40 log"
+        raise LogError(f"{folder.name}: a folder, but no {known}: name a file in it")
+    return _read_panda(folder, joint) if joints == _PANDA else _read_tx40(folder, joint)
 
 
 def _read_panda(folder: Path, joint: str | None) -> JointLog:
@@ -117,13 +113,9 @@ def _read_panda(folder: Path, joint: str | None) -> JointLog:
     return log_of(folder, joint, columns)
 
 
-def _panda_file(folder: Path, name: str) -> Path:
-    return folder / f"exciting_traj_{name}.txt"
-
-
 def _panda_numbers(folder: Path, name: str, width: int) -> Array:
     """Samples of one file, shape (n, width)."""
-    path = _panda_file(folder, name)
+    path = folder / _PANDA_FILE.format(name)
     try:
         numbers = np.loadtxt(path, dtype=np.float64, ndmin=1)
     except OSError:
@@ -134,10 +126,6 @@ def _panda_numbers(folder: Path, name: str, width: int) -> Array:
         raise LogError(f"{path.name}: {numbers.size} numbers are not {width} per sample")
     check_finite(path.name, "number", numbers, lambda i: i + 1)
     return numbers.reshape(-1, width)
-
-
-def _is_tx40(folder: Path) -> bool:
-    return (folder / _TX40_POSITIONS).is_file()
 
 
 def _read_tx40(folder: Path, joint: str | None) -> JointLog:

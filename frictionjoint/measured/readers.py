@@ -1,9 +1,7 @@
 """Read a log of any format; the format follows from the file's name and content.
 
-The package's own format is CSV or Parquet with the column names of `columns`. Others: .npz and .mat
-with a mapping of names, recordings of mujoco.sysid, ROS bags, LeRobot data sets, rollouts of PACE,
-Isaac Lab and mjlab, JSON of BAM and K-Scale, and the public logs of EMPS, Panda, ODrive and TX40. A
-folder of logs stands for all of them, see `log_files`.
+The package's own format is a table with the column names of `columns`. A folder of logs stands for
+all of them, see `log_files`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -1,7 +1,4 @@
-"""Repairs of a log that need no guess, each with a note.
-
-They concern isolated wrong readings, wrapped positions and repeated rows.
-"""
+"""Repairs of a log that need no guess, each with a note."""
 
 import itertools
 from collections.abc import Mapping

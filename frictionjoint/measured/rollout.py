@@ -10,7 +10,7 @@ github.com/leggedrobotics/pace-sim2real.)
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -34,26 +34,11 @@ _JOINTS = ("joint_names", "dof_names")
 _GAINS = ("kp", "kd")
 
 
-@dataclass(frozen=True)
-class _Rollout:
-    """Content of a file: arrays of shape (n, joints) by our column name, time (n,), gains."""
-
-    time: Array
-    of_joints: dict[str, Array]
-    joints: list[str]
-    gains: dict[str, Array]
-
-
 def is_rollout(path: Path, columns: Mapping[str, str] | None) -> bool:
     """Whether a file is a rollout: .pt, or .npz with such names and no requested columns."""
-    if path.suffix.lower() == ".pt":
-        return path.is_file()
-    if (
-        not path.is_file()
-        or path.suffix.lower() != ".npz"
-        or not set(columns or ()) <= {"joints", "world"}
-    ):
-        return False
+    kind, is_file = path.suffix.lower(), path.is_file()
+    if kind != ".npz" or not is_file or not set(columns or ()) <= {"joints", "world"}:
+        return is_file and kind == ".pt"
     try:
         with opened_npz(path) as archive:
             held = set(archive)
@@ -72,25 +57,26 @@ def read_rollout(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     Raises:
         LogError: not such a file, no such joint, or see `validate`.
     """
-    found = _read(path, how.columns)
-    names = found.joints
+    time, of_joints, names, gains = _read(path, how.columns)
     joint = one_joint(path.name, names, joint)
     own = names.index(joint)
-    data = {"time_s": found.time} | {name: x[:, own] for name, x in found.of_joints.items()}
+    data = {"time_s": time} | {name: x[:, own] for name, x in of_joints.items()}
     for name in ("position_rad", "velocity_rad_s"):
-        x = found.of_joints.get(name)
-        if x is not None:
-            data |= {f"{n}.{name}": x[:, i] for i, n in enumerate(names) if i != own}
+        others = zip(names, of_joints.get(name, np.zeros((0, 0))).T, strict=False)
+        data |= {f"{n}.{name}": x for n, x in others if n != joint}
     whole = {name: np.ascontiguousarray(x) for name, x in data.items()}
     log = log_of(path, joint, whole, ReadOptions(units=how.units))
-    return replace(log, metadata={name: float(x[own]) for name, x in found.gains.items()})
+    return replace(log, metadata={name: float(x[own]) for name, x in gains.items()})
 
 
 def joints_of_rollout(path: Path, columns: Mapping[str, str] | None) -> list[str]:
-    return _read(path, columns).joints
+    return _read(path, columns)[2]
 
 
-def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
+def _read(
+    path: Path, columns: Mapping[str, str] | None
+) -> tuple[Array, dict[str, Array], list[str], dict[str, Array]]:
+    """Time, (n,), arrays of shape (n, joints) by our column name, names of the joints, gains."""
     given, world = column_options(path.name, columns, ("joints", "world"), "a rollout")
     arrays, written = _arrays(path)
     arrays = {name: x.squeeze(-1) if x.shape[-1:] == (1,) else x for name, x in arrays.items()}
@@ -127,7 +113,7 @@ def _read(path: Path, columns: Mapping[str, str] | None) -> _Rollout:
             f"{path.name}: it has {count} joints, but the names are {', '.join(names)}: give "
             f"{count} different names, --column joints=NAME,NAME"
         )
-    return _Rollout(time, of_joints, names, gains)
+    return time, of_joints, names, gains
 
 
 def _arrays(path: Path) -> tuple[dict[str, Array], list[str]]:

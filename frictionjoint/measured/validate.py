@@ -1,7 +1,4 @@
-"""Checks of a log; each error is one line with file, row, column and remedy.
-
-Nothing is changed here. What can be repaired without a guess is repaired in `fix`, with a note.
-"""
+"""Checks of a log; each error is one line with file, row, column and remedy."""
 
 from collections.abc import Callable, Mapping
 

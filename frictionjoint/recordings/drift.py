@@ -1,9 +1,8 @@
 """Whether new logs confirm the friction of a report.
 
-The change of each friction parameter is compared with the errors of the report and of the new logs,
-and with the usual difference between recordings. The parameter is *confirmed*, *changed*, or *not
-resolvable*: the new logs could not detect a change by half of its value, their value is impossible,
-so that it has another cause, or the report assumes it. Less than 5% is no change.
+A parameter is *confirmed*, *changed*, or *not resolvable*: the new logs could not detect a change
+by half of its value, their value is impossible, so that it has another cause, or the report assumes
+it. Less than 5% is no change.
 """
 
 from collections.abc import Sequence

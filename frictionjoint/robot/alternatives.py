@@ -2,8 +2,7 @@
 
 While causes are missing, many candidates look alike. A candidate that was as good as a cause when
 it was accepted may be far worse together with all the others, or be in the model itself by then.
-Another name of the same change of a body, a payload or its own wrong inertia, may be as good only
-with the final laws.
+Another name of the same change of a body may be as good only with the final laws.
 """
 
 from collections.abc import Iterator, Sequence

@@ -1,5 +1,6 @@
 """From the logs and the model of one joint or of a whole robot to one report and one model."""
 
+import itertools
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -209,12 +210,9 @@ def _stated(shared: Settled, done: Mapping[str, Explained]) -> tuple[SharedCause
 
 def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:
     """Torque errors of a joint without and with an effect of its own; None if it has none."""
-    left = joint.with_all
-    for added in joint.report.added:
-        if added.effect == effect:
-            return left, added.torque_rms
-        left = added.torque_rms
-    return None
+    added = joint.report.added
+    pairs = itertools.pairwise((joint.with_all, *(x.torque_rms for x in added)))
+    return next((pair for x, pair in zip(added, pairs, strict=True) if x.effect == effect), None)
 
 
 def _estimates(found: Found, i: int, cov: Array) -> dict[str, Estimate]:

@@ -19,8 +19,7 @@ class GearCoupling(Cause):
     """Numbers: friction level, N m, viscous and concave friction, N m s/rad, and inertia, kg m^2.
 
     Lubricated gears have concave friction. It is constant above the top speed of the logs, where
-    they do not determine it. Teeth and bearings that turn with the motor make the level vary with
-    its angle: sine and cosine, N m.
+    they do not determine it. A level that varies with the motor's angle adds sine and cosine, N m.
 
     Attributes:
         shaft: without friction and inertia; its level has a wave if `waves` is not 0.

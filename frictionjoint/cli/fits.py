@@ -1,4 +1,4 @@
-"""The command `close-loop`, for one joint, a robot, or several robots of one kind."""
+"""Commands that fit: `close-loop`, for one joint, a robot or several of one kind; `identify`."""
 
 import shlex
 import sys
@@ -14,6 +14,7 @@ from frictionjoint.cli.logs import (
     NO_OPTIONS,
     Joints,
     LogOptions,
+    Logs,
     Model,
     columns_of,
     joints_of,
@@ -22,6 +23,7 @@ from frictionjoint.cli.logs import (
     named,
     paths_of,
     reads_logs,
+    the_joint,
 )
 from frictionjoint.cli.output import Force, Json, Open, open_page, print_json, require_writable
 from frictionjoint.cli.plain_help import argument, option
@@ -183,3 +185,50 @@ def show_units(report: "UnitsReport") -> None:
         rows.append((row.owner, label, f"{row.mean:.4g}", f"{row.deviation:.2g}", error))
     heads = "joint or cause", "parameter", "mean", "deviation over robots", "standard error of one"
     show_table(heads, rows)
+
+
+@reads_logs("gain", "signal", "fixed", "controller")
+def identify(
+    logs: Logs,
+    model: Model,
+    out: Annotated[Path, option("TOML", "Parameter file to write.")],
+    joint: Annotated[
+        str | None,
+        option("NAME", "A joint in the model and in the logs. Default: the model's only joint."),
+    ] = None,
+    law: Annotated[str, typer.Option(help=LAW_TO_FIT)] = LAWS[0],
+    options: LogOptions = NO_OPTIONS,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Fit the friction law of one joint and write its parameters.
+
+    Example: `frictionjoint identify a.csv --model arm.xml --joint elbow --out elbow.toml`
+
+    Another law: `... --law lugre --out lugre.toml`, then `frictionjoint compare *.toml`
+    """
+    from frictionjoint.identify.run import identify_law
+    from frictionjoint.report.numbers import law_numbers
+    from frictionjoint.report.write import write_files
+
+    with progress() as say:
+        paths = log_paths(logs, [], options.join)
+        require_writable(out, [*paths.files, *options.files, *paths_of(model)], force)
+        joint = the_joint(joint, model)
+        read_one = options.reader(paths)
+        read = [read_one(path, joint) for path in paths.logs]
+        found = identify_law(
+            read, models_of(model), joint, law, options.poses, options.controller, say
+        )
+        write_files(out.parent, {out.name: found.to_toml()})
+    if as_json:
+        print_json(found.to_dict())
+        return
+    rows = (
+        (x.meaning, x.name, f"{x.text} (fixed)" if x.status == "fixed" else x.qualified)
+        for x in law_numbers(found.estimates)
+    )
+    show_table(("parameter", "symbol", "value ± standard error"), rows)
+    for text in found.notes:
+        console().print(f"* {text}", soft_wrap=True, markup=False)
+    typer.echo(f"{found.residual} Wrote {out}")
