@@ -8,8 +8,7 @@ import pytest
 from frictionjoint.diagnose.determined import standard_errors, undetermined
 from frictionjoint.effects.backlash import EFFECT as BACKLASH
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.command_delay import EFFECT as COMMAND_DELAY
-from frictionjoint.effects.gain_error import EFFECT as GAIN_ERROR
+from frictionjoint.effects.drive import COMMAND_DELAY, GAIN_ERROR
 from frictionjoint.effects.temperature_dependent import EFFECT as FALLING
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import term_estimates

@@ -10,8 +10,8 @@ from frictionjoint.control import Controller
 from frictionjoint.control.kernel_numbers import block_of
 from frictionjoint.decisions import LEAST_MOVED_OF_DRIVE
 from frictionjoint.diagnose.drive import look_at_drive
-from frictionjoint.effects import drive_limit
-from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.drive import DRIVE_EFFECTS, DRIVE_LIMIT
 from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_estimates, scale_note, units_of
@@ -112,7 +112,7 @@ def test_a_gain_that_is_not_known_is_found_by_the_load_or_friction_is_over_it():
     friction_spec(spec, "j", fitted)
     assert not spec.actuators  # its torque goes to the joint, as where kp is known
     # a limit over kp becomes one of the torque
-    limit = DriveTerm(drive_limit.EFFECT, (0.5,))
+    limit = DriveTerm(DRIVE_LIMIT, (0.5,))
     limited = found_controller(unknown, replace(fitted, terms=(limit,)), scaled=True)
     assert limited.limit == 0.5 * limited.kp
     # and where the load does not tell, nothing is claimed

@@ -10,7 +10,8 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.state import State
-from frictionjoint.effects import back_emf, duty_drop
+from frictionjoint.effects import back_emf
+from frictionjoint.effects.drive import DROP_ABOVE_OUTPUT, DUTY_DROP
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
@@ -38,14 +39,14 @@ def test_of_forms_that_leave_the_same_the_first_is_taken_and_the_other_said():
     hidden = {"threshold": 0.31, "left": 0.35}
     logs = [servo(m.__name__, GAIN, m, hidden) for m in (steps, sines, swept)]
     prepared = prepare(logs, BODY, controller=KNOWN)
-    of_output = DriveTerm(duty_drop.OF_OUTPUT, (0.31 * GAIN, 0.35))
+    of_output = DriveTerm(DROP_ABOVE_OUTPUT, (0.31 * GAIN, 0.35))
     state = state_with(prepared, EffectTerm(back_emf.EFFECT), of_output)
     rng = np.random.default_rng(0)
     assert exchange_drive(state, rng)
     found = state.findings[1]
-    assert found.term.effect is duty_drop.EFFECT
-    assert state.fit.effects[1].effect is duty_drop.EFFECT
+    assert found.term.effect is DUTY_DROP
+    assert state.fit.effects[1].effect is DUTY_DROP
     assert state.fit.effects[1].shape == pytest.approx((0.31, 0.35), rel=0.05)
     # the other one does not come back, and is told
     assert not exchange_drive(state, rng)
-    assert state.findings[1].forms == (duty_drop.OF_OUTPUT,)
+    assert state.findings[1].forms == (DROP_ABOVE_OUTPUT,)

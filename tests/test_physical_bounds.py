@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 from frictionjoint.diagnose.physical_bounds import LEAST_ACTING, exceeding_friction, impossible
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import improves
-from frictionjoint.effects.drive_limit import EFFECT as LIMITED
+from frictionjoint.effects.drive import DRIVE_LIMIT as LIMITED
 from frictionjoint.effects.frictional_lag import EFFECT as LAG
 from frictionjoint.effects.nonlinear_viscous import EFFECT
 from frictionjoint.effects.warm_up_drift import EFFECT as WARM_UP

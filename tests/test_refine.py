@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from servo_plant import KNOWN, PLANT, servo, sines, steps, swept
 
-from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit

@@ -8,7 +8,8 @@ import pytest
 
 from frictionjoint.cli.terminal import show_report
 from frictionjoint.diagnose.advice import what_to_record
-from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.identify.result import Estimate
 from frictionjoint.report import wording
 from frictionjoint.report.folder import made

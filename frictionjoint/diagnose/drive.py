@@ -17,7 +17,7 @@ from frictionjoint.diagnose.library import drive_terms
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.physical_bounds import LEAST_ACTING
 from frictionjoint.diagnose.score import Scored, scored
-from frictionjoint.effects.catalogue import DRIVE_EFFECTS
+from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.blocks import halves, make_blocks
 from frictionjoint.identify.fit import Fit

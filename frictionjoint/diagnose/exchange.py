@@ -25,7 +25,8 @@ from frictionjoint.diagnose.state import (
     size_of,
     without,
 )
-from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import in_order

@@ -12,7 +12,8 @@ from frictionjoint.diagnose.candidate import Candidate
 from frictionjoint.diagnose.columns import columns_of, signals_of
 from frictionjoint.diagnose.short_waves import short_waves, waves_like_curves
 from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
-from frictionjoint.effects.catalogue import CATALOGUE, DRIVE_EFFECTS
+from frictionjoint.effects.catalogue import CATALOGUE
+from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import TEMP, parts_of_load
 from frictionjoint.identify.basis import lengths, without

@@ -1,8 +1,7 @@
 """All effects that the search knows; among equals the first one is preferred.
 
 `SIMULATED` lists the effects that a model can contain, one more than `CATALOGUE`, and `EVERY` those
-of the drive too. These act on the controller output and have no kernel in the joint: they are
-searched for when the drive is reconstructed from target and position.
+of the drive too, which are searched for when the drive is reconstructed from target and position.
 """
 
 import copyreg
@@ -11,16 +10,10 @@ from typing import Any
 from frictionjoint.effects import (
     back_emf,
     backlash,
-    command_delay,
-    command_rate,
-    deadband,
     direction_asymmetry,
-    drive_limit,
-    duty_drop,
     dwell_time,
     end_stop,
     frictional_lag,
-    gain_error,
     gravity_error,
     heating,
     inertia_error,
@@ -32,12 +25,12 @@ from frictionjoint.effects import (
     nonlinear_viscous,
     position_periodic,
     spring,
-    supply_sag,
     temperature_dependent,
     torque_bias,
     torque_gain,
     warm_up_drift,
 )
+from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 
 CATALOGUE: tuple[Effect, ...] = (
@@ -70,17 +63,7 @@ CATALOGUE: tuple[Effect, ...] = (
 
 SIMULATED: tuple[Effect, ...] = (*CATALOGUE, heating.EFFECT)
 
-DRIVE_EFFECTS: tuple[Effect, ...] = (
-    command_delay.EFFECT,
-    command_rate.EFFECT,
-    drive_limit.EFFECT,
-    deadband.EFFECT,
-    deadband.SHIFTED_BAND,
-    duty_drop.EFFECT,
-    duty_drop.OF_OUTPUT,
-    supply_sag.EFFECT,
-    gain_error.EFFECT,
-)
+EVERY = (*SIMULATED, *DRIVE_EFFECTS)
 
 
 def title(name: str, form: str | int = "") -> str:
@@ -95,9 +78,6 @@ def title(name: str, form: str | int = "") -> str:
     forms = [e for e in EVERY if e.name == own and e.title]
     acting = [e for e in forms if form in (e.cause, e.effect_id)] or forms
     return (acting[0].title if acting else own.replace("-", " ")) + of + place
-
-
-EVERY = (*SIMULATED, *DRIVE_EFFECTS)
 
 
 def _numbered(number: int) -> Effect:

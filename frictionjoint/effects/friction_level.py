@@ -21,18 +21,16 @@ REACHES = (1e-4, 1e-3)
 
 
 @compiled
-def approached(E: float, target: float, dq: float, reach: float) -> float:
-    """E after a displacement dq towards `target`, over the length `reach` (0: immediately)."""
-    if reach <= 0.0:
-        return target if dq != 0.0 else E
-    return E - (target - E) * math.expm1(-abs(dq) / reach)
+def within_one(h: float) -> float:
+    """Fh/Fc without its Stribeck part, within +-1."""
+    return min(1.0, max(-1.0, h))
 
 
 @compiled
 def reached(
     start: float, level: float, h: float, reach: float, sig: Vector, X: Vector, x: int
 ) -> float:
-    """Torque of a level s, approached over `reach` of motion.
+    """Torque of a level s, approached over `reach` of motion (0: immediately).
 
     Along a log E approaches s h. In a simulation that E would lag behind h in each vibration and
     return more work than it takes: a joint at rest would creep. There a level above zero is a
@@ -49,7 +47,12 @@ def reached(
         target = level * max(1.0, abs(h))
         if dq < 0.0:
             target = -target
-    X[x] = start * h if sig[DT] <= 0.0 else approached(X[x], target, dq, reach)
+    if sig[DT] <= 0.0:
+        X[x] = start * h
+    elif reach > 0.0:
+        X[x] = X[x] - (target - X[x]) * math.expm1(-abs(dq) / reach)
+    elif dq != 0.0:
+        X[x] = target
     X[x + 1] = sig[Q]
     return X[x]
 

@@ -7,7 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.friction_level import reached
+from frictionjoint.effects.friction_level import reached, within_one
 from frictionjoint.effects.signals import DT, H, Q, V
 
 
@@ -24,8 +24,7 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
         X[x] = level
     else:
         X[x] += (level - X[x]) * -math.expm1(-sig[DT] / P[e])
-    H1 = min(1.0, max(-1.0, sig[H]))
-    return P[e + 3] * reached(0.0, X[x] - level, H1, P[e + 2], sig, X, x + 1)
+    return P[e + 3] * reached(0.0, X[x] - level, within_one(sig[H]), P[e + 2], sig, X, x + 1)
 
 
 def _lags(signals: Array) -> list[Shape]:

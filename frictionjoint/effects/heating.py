@@ -1,12 +1,14 @@
 """heating: the joint's temperature in a simulation, raised by the friction loss.
 
 It adds no torque. In a log the temperature is measured; in a simulation this effect computes it
-for the effects that depend on it.
+for the effects that depend on it, which look it up here.
 """
 
 import math
 
-from frictionjoint.arrays import Vector
+import numpy as np
+
+from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import DT, LOSS, TEMP
@@ -23,6 +25,17 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
         X[x] = warmest + (X[x] - warmest) * math.exp(-sig[DT] / P[e + 2])
     sig[TEMP] = P[e] + X[x]
     return 0.0
+
+
+@compiled
+def warmer(reference: float, sig: Vector, X: Vector, x: int) -> float:
+    """T - T0, K; X[x] if there is no thermometer, so that a simulation can set it."""
+    return X[x] if math.isnan(sig[TEMP]) else sig[TEMP] - reference
+
+
+def usual(signals: Array) -> float:
+    """Mean temperature of logs, deg C: what is fitted without an effect of it applies there."""
+    return float(np.nanmean(signals[:, TEMP]))
 
 
 EFFECT = Effect(

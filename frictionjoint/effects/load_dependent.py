@@ -12,7 +12,7 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
-from frictionjoint.effects.friction_level import reached, reaches
+from frictionjoint.effects.friction_level import reached, reaches, within_one
 from frictionjoint.effects.signals import GEAR, H, V
 
 
@@ -26,15 +26,15 @@ def torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
 @compiled
 def coulomb_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """c |load| H1, reached over `reach` of motion; H1 = H within +-1."""
-    load, H1 = abs(sig[GEAR]), min(1.0, max(-1.0, sig[H]))
-    return P[e + 1] * reached(load, load, H1, P[e], sig, X, x)
+    load = abs(sig[GEAR])
+    return P[e + 1] * reached(load, load, within_one(sig[H]), P[e], sig, X, x)
 
 
 @compiled
 def stribeck_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int) -> float:
     """(c + cs exp(-|v|/vs)) |load| H1, reached over `reach` of motion; H1 = H within +-1."""
     level = abs(sig[GEAR]) * (P[e + 2] + P[e + 3] * math.exp(-abs(sig[V]) / P[e + 1]))
-    return reached(level, level, min(1.0, max(-1.0, sig[H])), P[e], sig, X, x)
+    return reached(level, level, within_one(sig[H]), P[e], sig, X, x)
 
 
 def _reaches_and_falls(signals: Array) -> list[Shape]:

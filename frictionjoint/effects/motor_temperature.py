@@ -11,8 +11,8 @@ simulation T stays where it was set, as for `temperature-dependent`.
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.heating import usual, warmer
 from frictionjoint.effects.signals import ASKED, MOTOR, TEMP
-from frictionjoint.effects.thermometer import usual, warmer
 
 
 @compiled

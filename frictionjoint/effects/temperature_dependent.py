@@ -13,8 +13,8 @@ from dataclasses import replace
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.effect import Effect, Shape
+from frictionjoint.effects.heating import usual, warmer
 from frictionjoint.effects.signals import TEMP, H, V
-from frictionjoint.effects.thermometer import usual, warmer
 
 
 @compiled

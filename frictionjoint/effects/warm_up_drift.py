@@ -66,23 +66,23 @@ def _warmest(signals: Array, tau: float, ratio: float) -> float:
     return most
 
 
-def _time_constants_and_warmths(signals: Array) -> list[Shape]:
-    taus = [tau for (tau,) in _time_constants(signals)]
-    most = [_warmest(signals, tau, 0.0) for tau in taus]
-    pairs = [(t, w) for t, w in zip(taus, most, strict=True) if w > 0.0]
+def _warmths(signals: Array, ratio: float) -> list[tuple[float, float]]:
+    """Time constants, each with the largest w, where the joint warms at all."""
+    pairs = [(tau, _warmest(signals, tau, ratio)) for (tau,) in _time_constants(signals)]
+    return [(tau, w) for tau, w in pairs if w > 0.0]
+
+
+def _warmths_by_loss(signals: Array) -> list[Shape]:
     # a scale of the largest warmth is next to linear, a smaller one levels off
-    return [(t, part * w) for t, w in pairs for part in (0.3, 1.0)]
+    return [(tau, part * w) for tau, w in _warmths(signals, 0.0) for part in (0.3, 1.0)]
 
 
-def _warmths_of_the_loss(signals: Array) -> list[Shape]:
+def _warmths_by_whole_loss(signals: Array) -> list[Shape]:
     # the law's friction, which MOTOR contains, is Fc H + sigma2 V
     friction = signals[:, MOTOR] - signals[:, LOAD]
     Fc, sigma2 = np.linalg.lstsq(signals[:, [H, V]], friction, rcond=None)[0].tolist()
     ratio = max(0.0, sigma2 / Fc) if Fc > 0.0 else 0.0
-    taus = [tau for (tau,) in _time_constants(signals)]
-    most = [_warmest(signals, tau, ratio) for tau in taus]
-    pairs = [(t, w) for t, w in zip(taus, most, strict=True) if w > 0.0]
-    return [(part * w, ratio, t) for t, w in pairs for part in (1.0, 3.0)]
+    return [(part * w, ratio, tau) for tau, w in _warmths(signals, ratio) for part in (1.0, 3.0)]
 
 
 EFFECT = Effect(
@@ -116,7 +116,7 @@ BY_LOSS = replace(
     shape=("tau", "scale"),
     decays_over="scale",
     shape_units=("s", "x"),
-    shapes=_time_constants_and_warmths,
+    shapes=_warmths_by_loss,
     shape_bounds=((_FASTEST, float("inf")), (0.0, float("inf"))),
 )
 
@@ -129,7 +129,7 @@ BY_WHOLE_LOSS = replace(
     shape=("scale", "ratio", "tau"),
     shape_units=("x", "s/x", "s"),
     shape_fixed=2,
-    shapes=_warmths_of_the_loss,
+    shapes=_warmths_by_whole_loss,
     shape_bounds=((0.0, float("inf")), (0.0, float("inf")), (_FASTEST, float("inf"))),
 )
 FORMS = (EFFECT, BY_LOSS, BY_WHOLE_LOSS)

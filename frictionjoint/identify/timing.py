@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.control.controller import Controller
-from frictionjoint.effects import command_delay
+from frictionjoint.effects.drive import delayed
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import Term
@@ -84,7 +84,7 @@ class TargetTiming(Timing):
         """The delay; no file can state that a target acts early."""
         # a controller's tick may lose a tenth of a sample
         late = self.shape[0] > 0.1 * self.sample
-        return command_delay.figures(controller, self.shape) if late else {}
+        return delayed(controller, self.shape) if late else {}
 
 
 class VelocityAge(Timing):

@@ -30,7 +30,7 @@ from trials import joint_of
 from frictionjoint import close_loop
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.trace import trace
-from frictionjoint.effects.catalogue import DRIVE_EFFECTS
+from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
