@@ -11,7 +11,7 @@ from plants.loop import INDEX
 from plants.plant import assemble, constants, simulate, write
 from plants.spec import PlantSpec
 
-from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.diagnose.candidate import columns_of, signals_of
 from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.diagnose.spectrum import periodic_terms
 from frictionjoint.diagnose.trace import trace

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.columns import signals_of
+from frictionjoint.diagnose.candidate import Candidate, signals_of
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.signals import TIME
 from frictionjoint.identify.terms import EffectTerm

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.columns import signals_of
+from frictionjoint.diagnose.candidate import signals_of
 from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.effects import back_emf, load_dependent
 from frictionjoint.errors import LogError

@@ -6,9 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose import unnamed
+from frictionjoint.diagnose import outcome
 from frictionjoint.diagnose.candidate import without_columns
-from frictionjoint.diagnose.outcome import _unnamed_torque
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.identify.instruments import MissingTerm
 from frictionjoint.identify.search import refit
@@ -29,8 +28,8 @@ def test_they_are_those_of_the_samples_that_are_left(tmp_path):
     found = refit(before, terms, fit(before).shape)
     now = before.without_limits()
     assert 0 < len(now.log_index) < len(before.log_index)
-    (whole,) = _unnamed_torque(before, found, before)
-    (left,) = _unnamed_torque(before, found, now)
+    (whole,) = outcome._unnamed_torque(before, found, before)
+    (left,) = outcome._unnamed_torque(before, found, now)
     assert left.shape == (len(now.log_index), 1)
     still = now.segments[0].kept[before.segments[0].kept]
     np.testing.assert_array_equal(left, whole[still])
@@ -48,10 +47,10 @@ def test_a_quantity_that_explains_much_less_is_no_tie(monkeypatch, its, tied):
         squares[0] += 100.0 - 200.0 * shares[found.effects]
         return Scored(found, squares)
 
-    monkeypatch.setattr(unnamed, "scored", scored)
-    monkeypatch.setattr(unnamed, "best_first", lambda state, blocks, i, others: others)
+    monkeypatch.setattr(outcome, "scored", scored)
+    monkeypatch.setattr(outcome, "best_first", lambda state, blocks, i, others: others)
     monkeypatch.setattr(
-        unnamed, "compared", lambda prepared, terms, law: SimpleNamespace(effects=terms)
+        outcome, "compared", lambda prepared, terms, law: SimpleNamespace(effects=terms)
     )
     state = SimpleNamespace(fit=fit, prepared=None, candidates=[without_columns(velocity)])
-    assert list(unnamed.quantities_alike(state, None, 0)) == ["velocity"] * tied
+    assert list(outcome.quantities_alike(state, None, 0)) == ["velocity"] * tied

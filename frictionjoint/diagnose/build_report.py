@@ -69,7 +69,9 @@ def build_report(
         planner = Planner(moving, final, body)
         computed = computed_proposals(planner, parts.rivals(found), cov, estimates)
     unexplained = {name: found.causes.get(name, "") for name, _ in found.unexplained}
-    open_questions = parts.ties(found), parts.forms(found), unexplained, estimates
+    ties = [(f.term.effect, other) for f in found.findings for other in f.ties]
+    forms = [(f.term.effect, other) for f in found.findings for other in f.forms]
+    open_questions = ties, forms, unexplained, estimates
     return Report(
         joint=body.joint,
         slide=body.slide,

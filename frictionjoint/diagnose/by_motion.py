@@ -16,8 +16,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.control.kernel import COUNT
 from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
-from frictionjoint.diagnose.candidate import without_columns
-from frictionjoint.diagnose.columns import signals_of
+from frictionjoint.diagnose.candidate import signals_of, without_columns
 from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.library import effect_terms, effects

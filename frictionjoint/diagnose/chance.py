@@ -41,8 +41,8 @@ def p_values(
 
     def of(at: Columns, lines: float) -> Array:
         both = []
-        for white in (False, True):
-            grams = found.products(at, white)
+        for columns in (found.tested, found.white):
+            grams = found.grams(columns, at)
             A, b = grams[:, :-1, :-1], grams[:, :-1, -1]
             known = A, b, found.elsewhere(A, b), A.sum(axis=0), found.ranges(at)
             both.append(surprise(*known, signs, found.blocks.log))

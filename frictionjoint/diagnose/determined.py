@@ -1,13 +1,16 @@
-"""Whether the logs determine the size of an effect, from its standard errors."""
+"""What the logs determine: the size of an effect, and whether a wrong mass is an encoder zero."""
+
+from collections.abc import Mapping
 
 import numpy as np
 
-from frictionjoint.arrays import Array
+from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.decisions import SURELY
 from frictionjoint.diagnose.candidate import is_unnamed
-from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
+from frictionjoint.effects.signals import GX, GY, LOAD, A, parts_of_load
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import Term
 
@@ -49,7 +52,7 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
     if at.stop > at.start and not term.effect.of_load:
         x = np.asarray(fitted.beta[at])
         # a motor constant whose load may be absent from the torque is none
-        x = np.minimum(np.abs(x), 1.0 + x) if term.name == TORQUE_GAIN.name else x
+        x = np.minimum(np.abs(x), 1.0 + x) if term.effect.scales else x
         cov = _given(cov, layout.numbers(i)) if term.effect.slow else cov
     else:
         x, at = np.array(term.free_shape), layout.numbers(i)
@@ -76,3 +79,29 @@ def _errors(cov: Array, at: slice) -> Array:
     """Standard errors of some parameters, infinite where the logs do not determine them."""
     variance = np.diag(cov)[at]
     return np.sqrt(np.where(np.isfinite(variance), np.maximum(variance, 0.0), np.inf))
+
+
+def offset_instead(prepared: Prepared, found: Mapping[str, Estimate]) -> float | None:
+    """Offset of the encoder, rad, that explains the logs as well as a gravity error; or None.
+
+    An encoder zero that is off turns gravity, so a single joint shows it as a wrong mass. It does
+    if the first moment of mass, with the error, is the model's own, turned about the axis.
+
+    Args:
+        found: first moments of the gravity error by name, kg m.
+    """
+    x, y = found.get("moment_x"), found.get("moment_y")
+    if prepared.slide or x is None or y is None or x.stderr is None or y.stderr is None:
+        return None
+    signals = np.concatenate([s.signals for s in prepared.segments])
+    parts = parts_of_load(signals)
+    load = signals[:, LOAD]
+    # moments that change, because joints beyond this one move, do not turn as one
+    if root_mean_square(load - signals[:, [A, GX, GY]] @ parts) > 0.01 * root_mean_square(load):
+        return None
+    own, true = complex(*parts[1:]), complex(*parts[1:]) + complex(x.value, y.value)
+    error = SURELY * np.hypot(x.stderr, y.stderr)
+    # a model states masses and lengths to about 1%
+    if abs(own) < error or abs(abs(true) - abs(own)) > max(error, 0.01 * abs(own)):
+        return None
+    return float(np.angle(own / true))

@@ -9,7 +9,7 @@ import numpy as np
 from frictionjoint.diagnose.candidate import Candidate, is_unnamed
 from frictionjoint.diagnose.determined import position_is_open
 from frictionjoint.diagnose.drive import others_of_drive
-from frictionjoint.diagnose.finding import Finding, with_changed
+from frictionjoint.diagnose.finding import Finding, finding_of
 from frictionjoint.diagnose.gram import screen
 from frictionjoint.diagnose.library import other_forms
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, look
@@ -228,7 +228,8 @@ def _joints_instead(state: State, i: int, rng: np.random.Generator) -> list[tupl
 
 def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> None:
     """Replace the finding of an effect of the model."""
-    state.findings = with_changed(state.findings, term, change)
+    own = finding_of(state.findings, term)
+    state.findings = [change(f) if f is own else f for f in state.findings]
 
 
 def _exchange(state: State, term: Term, change: Callable[[Finding], Finding], other: Fit) -> None:

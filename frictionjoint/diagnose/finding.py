@@ -1,6 +1,6 @@
 """Outcome of the search: effects with their evidence."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -39,23 +39,14 @@ class Finding:
     against: tuple[str, float] | None = None
 
     @property
-    def runner_up(self) -> str | None:
-        """Name of the next best effect."""
-        runner = self._next_of_look
-        return self.against[0] if self.against else runner and runner.name
-
-    @property
-    def margin(self) -> float:
-        """Difference between the gain of the effect and that of the runner-up."""
+    def runner_up(self) -> tuple[str | None, float]:
+        """Name of the next best effect, and the difference of the gains."""
         if self.against:
-            return self.against[1]
-        runner = self._next_of_look
-        return self.look.gain(self.row) - (self.look.gain(runner) if runner else 0.0)
-
-    @property
-    def _next_of_look(self) -> Looked | None:
+            return self.against
         rows = (r for r in self.look.rows if not r.candidate.unnamed and r.name != self.term.name)
-        return next(rows, None)
+        runner = next(rows, None)
+        gain = self.look.gain(runner) if runner else 0.0
+        return runner and runner.name, self.look.gain(self.row) - gain
 
     def tied_with(self, term: Term) -> Self:
         """The finding with one more tie; another wave of the same effect is not a tie."""
@@ -74,14 +65,6 @@ def finding_of(findings: Sequence[Finding], term: Term) -> Finding:
     if not term.effect.is_wave:
         return alike[-1]
     return min(alike, key=lambda f: abs(f.term.shape[0] - term.shape[0]))
-
-
-def with_changed(
-    findings: Sequence[Finding], term: Term, change: Callable[[Finding], Finding]
-) -> list[Finding]:
-    """Findings with that of one effect replaced."""
-    own = finding_of(findings, term)
-    return [change(f) if f is own else f for f in findings]
 
 
 @dataclass(frozen=True)

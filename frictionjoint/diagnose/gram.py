@@ -60,12 +60,11 @@ class Screen:
             shape (B,).
         """
         at = np.concatenate([*sets, []]).astype(np.int64)
-        grams = self._grams(self.columns, at)
+        grams = self.grams(self.columns, at)
         A, b, squares = grams[:, :-1, :-1], grams[:, :-1, -1], grams[:, -1, -1].copy()
         folds = self._folds(A)
         rest = grams.sum(axis=0) - folds.sums(grams)
-        at = at[~self.begun[at]]
-        beta = _least_squares(rest[:, :-1, :-1], rest[:, :-1, -1], self.low[at], self.high[at])
+        beta = _least_squares(rest[:, :-1, :-1], rest[:, :-1, -1], *self.ranges(at))
         trained = rest[:, -1, -1] + _change(rest[:, :-1, :-1], rest[:, :-1, -1], beta)
         squares += _change(A, b, beta[folds.place])
         return squares, trained[folds.place]
@@ -78,8 +77,8 @@ class Screen:
             return self.blocks.half_folds
         return self.blocks.folds
 
-    def _grams(self, columns: Array, at: Columns) -> Array:
-        """Gram matrices of some columns and the residual, by block, shape (B, k + 1, k + 1).
+    def grams(self, columns: Array, at: Columns) -> Array:
+        """Gram matrices of some columns and the last one, by block, shape (B, k + 1, k + 1).
 
         The initial friction state of the logs is projected out; it has no row in the matrices.
         """
@@ -93,16 +92,8 @@ class Screen:
         less[begun] = -inverse @ total[np.ix_(begun, ~begun)]
         return np.asarray(less.T @ grams @ less)
 
-    def products(self, at: Columns, whitened: bool) -> Array:
-        """Gram matrices of a candidate's columns and the residual, by block, shape (B, k, k).
-
-        Args:
-            whitened: whether to use the whitened columns.
-        """
-        return self._grams(self.white if whitened else self.tested, at)
-
     def ranges(self, at: Columns) -> tuple[Array, Array]:
-        """Least and largest coefficients of some columns of `products`, shape (k,) each."""
+        """Least and largest coefficients of some columns of `grams`, shape (k,) each."""
         at = at[~self.begun[at]]
         return self.low[at], self.high[at]
 
@@ -125,7 +116,7 @@ class Screen:
         Args:
             parts: 1 or 0 for each block, shape (parts, B).
         """
-        grams = self._grams(self.tested, at)
+        grams = self.grams(self.tested, at)
         k = grams.shape[1]
         G = (parts @ grams.reshape(len(grams), -1)).reshape(-1, k, k)
         scale = np.sqrt(np.maximum(np.einsum("pii->pi", G[:, :-1, :-1]), 1e-300))

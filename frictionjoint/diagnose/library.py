@@ -8,10 +8,13 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import LEAST_WARMING, SMALLEST_GAIN
-from frictionjoint.diagnose.candidate import Candidate
-from frictionjoint.diagnose.columns import columns_of, signals_of
-from frictionjoint.diagnose.short_waves import short_waves, waves_like_curves
-from frictionjoint.diagnose.spectrum import periodic_terms, wave_terms
+from frictionjoint.diagnose.candidate import Candidate, columns_of, signals_of
+from frictionjoint.diagnose.spectrum import (
+    periodic_terms,
+    short_waves,
+    wave_terms,
+    waves_like_curves,
+)
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect

@@ -149,54 +149,38 @@ def _frequencies(
     return [float(x) for x in won]
 
 
-class Moves:
-    """Possible changes of a model with its candidates."""
+def promising(
+    fitted: Fit, seen: Look, screened: Screen, candidates: Sequence[Candidate]
+) -> list[Move]:
+    """The most promising changes of a model of each sort, to be refitted."""
+    own = fitted.effects
+    place = {id(c): at for c, at in zip(candidates, screened.candidates, strict=True)}
+    named = [r.candidate for r in seen.rows if not r.candidate.unnamed]
+    unnamed = [r.candidate for r in seen.rows if r.candidate.unnamed]
 
-    def __init__(
-        self, fitted: Fit, seen: Look, screened: Screen, candidates: Sequence[Candidate]
-    ) -> None:
-        self.own = fitted.effects
-        self.seen = seen
-        self.screened = screened
-        self.place = {id(c): i for i, c in enumerate(candidates)}
-        self.named = [r.candidate for r in seen.rows if not r.candidate.unnamed]
-        self.unnamed = [r.candidate for r in seen.rows if r.candidate.unnamed]
+    def added(some: Sequence[Candidate]) -> list[Move]:
+        return [Move((*own, c.term), (c,), seen.find(c.term).left, seen) for c in some]
 
-    def best(self) -> list[Move]:
-        """The most promising change of each sort, to be refitted."""
-        sorts = (
-            (self._added(self.named), LEADERS),
-            (self._added(self.unnamed), ALTERNATIVES),
-            (self._pairs(), ALTERNATIVES),
-            (self._exchanges(), ALTERNATIVES),
-        )
-        return [
-            m
-            for found, most in sorts
-            for m in in_order(found, lambda m: float(m.left.sum()))[:most]
-        ]
+    def move(terms: tuple[Term, ...], rest: Sequence[Columns], *candidates: Candidate) -> Move:
+        left, _ = screened.held_out([*rest, *(place[id(c)] for c in candidates)])
+        return Move(terms, candidates, left, seen)
 
-    def _added(self, candidates: Sequence[Candidate]) -> list[Move]:
-        seen = self.seen
-        return [Move((*self.own, c.term), (c,), seen.find(c.term).left, seen) for c in candidates]
-
-    def _pairs(self) -> list[Move]:
-        found = []
-        for a, b in itertools.combinations(self.named[:8], 2):
-            left, _ = self.screened.held_out([*self.screened.terms, self._at(a), self._at(b)])
-            found.append(Move((*self.own, a.term, b.term), (a, b), left, self.seen))
-        return found
-
-    def _exchanges(self) -> list[Move]:
-        found = []
-        for i, term in enumerate(self.own):
-            rest = [at for k, at in enumerate(self.screened.terms) if k != i]
-            for c in self.named:
-                if c.term.name != term.name:
-                    left, _ = self.screened.held_out([*rest, self._at(c)])
-                    terms = in_place(self.own, i, c.term)
-                    found.append(Move(terms, (c,), left, self.seen))
-        return found
-
-    def _at(self, candidate: Candidate) -> Columns:
-        return self.screened.candidates[self.place[id(candidate)]]
+    pairs = [
+        move((*own, a.term, b.term), screened.terms, a, b)
+        for a, b in itertools.combinations(named[:8], 2)
+    ]
+    exchanges = [
+        move(in_place(own, i, c.term), [*screened.terms[:i], *screened.terms[i + 1 :]], c)
+        for i, term in enumerate(own)
+        for c in named
+        if c.term.name != term.name
+    ]
+    sorts = (
+        (added(named), LEADERS),
+        (added(unnamed), ALTERNATIVES),
+        (pairs, ALTERNATIVES),
+        (exchanges, ALTERNATIVES),
+    )
+    return [
+        m for found, most in sorts for m in in_order(found, lambda m: float(m.left.sum()))[:most]
+    ]

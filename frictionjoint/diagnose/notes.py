@@ -5,10 +5,9 @@ from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.decisions import CLEARLY, MOSTLY, SURELY
-from frictionjoint.diagnose.encoder_zero import offset_instead
+from frictionjoint.diagnose.determined import offset_instead
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.signals import TIME, Q
-from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.early_checks import SURE
 from frictionjoint.identify.notes import assumed_note, inertia_note
@@ -69,7 +68,7 @@ def _motor_constant_note(found: Trace, cov: Array) -> tuple[str, ...]:
     gains = [
         term_estimates(found.final, cov, i, slide)["gain"]
         for i, term in enumerate(found.final.terms)
-        if term.name == TORQUE_GAIN.name
+        if term.effect.scales
     ]
     drive = "force" if slide else "torque"
     return tuple(

@@ -54,6 +54,8 @@ def forms_like(shape: Shape) -> Sequence[Shape]:
 class OtherLaws:
     """The best known shape of each law, as a start when the model has changed.
 
+    Attributes:
+        followed: the model with whose effects all laws are fitted.
     Args:
         prepared: the logs. base: the requested law, fitted to them.
     """
@@ -65,35 +67,25 @@ class OtherLaws:
         integrated = (INTEGRATED[0].variables, CONSTRAINT[0].variables)
         self._own = integrated if own in integrated else (own,)
         self.shapes: dict[tuple[str, ...], Shape] = {own: base.shape}
-        self._rivals = [forms for forms in (*_RIVALS, INTEGRATED) if self._is_rival(forms, own)]
+        every = [forms for forms in (*_RIVALS, INTEGRATED) if forms[0].variables != own]
+        self._rivals = [f for f in every if f is not INTEGRATED or f[0].variables in self._own]
         self._fits: list[Fit] = []
-        self._followed: Fit | None = None
+        self.followed: Fit | None = None
         self._progress = progress
         self.fit_from_all_starts(prepared, base.effects)
         self._alone = dict(self.shapes)
 
-    def _is_rival(self, forms: Sequence[Shape], own: tuple[str, ...]) -> bool:
-        names = forms[0].variables
-        return names != own and (forms is not INTEGRATED or names in self._own)
-
     def fit_from_all_starts(self, prepared: Prepared, effects: tuple[Term, ...]) -> None:
         """Fit the other laws together with some effects, from all starts."""
         self._progress("fit: other laws")
-        self._followed = None
-
+        self.followed = None
         with side_by_side() as each:
             for shape in each(lambda f: refined_starts(prepared, effects, f)[0].law, self._rivals):
                 self.shapes[shape.variables] = shape
 
     def starts(self, shape: Shape) -> tuple[Shape, ...]:
-        """Starting shapes for refitting the law after effects are removed: the present one, and
-        unbiased ones.
-        """
+        """Starts for a law after effects are removed: the present shape, and an unbiased one."""
         return tuple(dict.fromkeys((shape, self._alone.get(shape.variables, shape))))
-
-    def followed(self, fitted: Fit) -> bool:
-        """Whether all laws are fitted with the effects of this model."""
-        return fitted is self._followed
 
     def follow(self, prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
         """Fit all laws with the effects of a model.
@@ -102,7 +94,7 @@ class OtherLaws:
             the model with another form of its law if that is clearly better, see `CONSTRAINT`.
         """
         self._fit_all(prepared, fitted)
-        self._followed = fitted
+        self.followed = fitted
         forms = [f for f in self._fits[1:] if f.shape.variables in self._own]
         return better_form(prepared, fitted, forms)
 

@@ -1,34 +1,42 @@
-"""Finish the search: remove unnamed terms, drop redundant effects, collect evidence."""
+"""Finish the search: remove unnamed terms, drop redundant effects, collect evidence.
+
+Where the drive is reconstructed, models are compared by simulated motion too.
+"""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from frictionjoint.arrays import Array
-from frictionjoint.decisions import TIE
-from frictionjoint.diagnose.candidate import named_of
+from frictionjoint.decisions import CLEARLY, TIE
+from frictionjoint.diagnose.candidate import is_unnamed
 from frictionjoint.diagnose.detection_limit import detection_limit
 from frictionjoint.diagnose.drop import drop_redundant
-from frictionjoint.diagnose.exchange import best_forms, settle_ties, try_other_effects
+from frictionjoint.diagnose.exchange import best_first, best_forms, settle_ties, try_other_effects
 from frictionjoint.diagnose.final_evidence import final_evidence
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.motion_check import Replayed, moving_nearest, nearer
-from frictionjoint.diagnose.moves import look
+from frictionjoint.diagnose.moves import ALTERNATIVES, look
 from frictionjoint.diagnose.other_laws import forms_like
 from frictionjoint.diagnose.score import scored
-from frictionjoint.diagnose.state import State, without
-from frictionjoint.diagnose.unnamed import quantities_alike
+from frictionjoint.diagnose.state import State, compared, distinguishable, without
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.assumptions import with_assumptions
+from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_delivered
 from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rounding import best_of
-from frictionjoint.identify.search import refit
+from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.smooth import SmoothTerm
+from frictionjoint.identify.smooth import SmoothTerm, SplineTerm
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import Term, all_but, in_place
 from frictionjoint.identify.weights import reweighed
+
+# mean square error of each run of logs simulated with a fit to them, rad^2 (m^2), or None
+Replayed = Callable[[Prepared, Fit], Array | None]
 
 
 def finish_search(
@@ -162,7 +170,7 @@ def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
     """
     if any(isinstance(term, MissingTerm) for term in state.fit.terms):
         state.prepared = state.prepared.without_limits()
-    named = named_of(state.fit.effects)
+    named = tuple(t for t in state.fit.effects if not is_unnamed(t))
     # fitted with the unnamed terms, the law may be in a poor local minimum without them
     starts = state.laws.starts(state.fit.shape)
     fits = [refit(state.prepared, named, law) for law in starts]
@@ -181,3 +189,71 @@ def _without_unnamed(state: State, replayed: Replayed) -> tuple[NotGiven, ...]:
             return not_given
     state.prepared, state.fit = reweighed(*asked)
     return ()
+
+
+def nearer(errors: Array, now: Array) -> bool:
+    """Whether the errors of simulated runs are clearly smaller: by a fraction of the rms, and by a
+    paired standard error."""
+    gained = now - errors
+    enough = errors.sum() < (1.0 - CLEARLY) ** 2 * now.sum()
+    return bool(enough and gained.sum() > np.std(gained) * np.sqrt(len(gained)))
+
+
+def moving_nearest(state: State, replayed: Replayed) -> bool:
+    """Use another local minimum of the law if its simulated motion is nearer to the logs; return
+    whether one is used.
+
+    Errors in a reconstructed drive bias the law: several local minima explain the torque equally
+    well and simulate quite different motions.
+    """
+    now = replayed(state.prepared, state.fit)
+    if now is None:
+        return False
+    best, least = None, now
+    for other in state.laws.near(state.prepared, state.fit):
+        errors = replayed(state.prepared, other)
+        if errors is not None and nearer(errors, now) and errors.sum() < least.sum():
+            best, least = other, errors
+    if best is None:
+        return False
+    moved = refit(state.prepared, best.effects, best.shape, ROUGH)
+    prepared, moved = reweighed(*settled(*reweighed(state.prepared, moved)))
+    errors = replayed(prepared, moved)
+    if errors is None or not nearer(errors, now):
+        return False
+    state.prepared, state.fit = prepared, moved
+    return True
+
+
+def quantities_alike(state: State, blocks: Blocks, i: int) -> dict[str, float]:
+    """Quantities that explain as much as the quantity of the i-th effect, if that is a curve.
+
+    In an arm that moves alone the load is a function of position, and no log distinguishes them.
+
+    Returns:
+        the quantities, and the fraction of the residual that each explains.
+    """
+    own = state.fit.effects
+    term = own[i]
+    if not isinstance(term, SplineTerm):
+        return {}
+    taken = {t.name for t in own}
+    others = [
+        c for c in state.candidates if isinstance(c.term, SplineTerm) and c.term.name not in taken
+    ]
+    if not others:
+        return {}
+    best: dict[str, Term] = {}
+    for candidate in best_first(state, blocks, i, others):
+        best.setdefault(candidate.term.name, candidate.term)
+    now = scored(state.fit, blocks)
+    bare = scored(compared(state.prepared, all_but(own, term), state.fit.shape), blocks)
+    found = {}
+    for instead in list(best.values())[:ALTERNATIVES]:
+        terms = in_place(own, i, instead)
+        other = scored(compared(state.prepared, terms, state.fit.shape), blocks)
+        # a difference that a few blocks carry is not significant, however large
+        alike = other.gain(bare) >= (1.0 - TIE) * now.gain(bare)
+        if alike and not distinguishable(now, other):
+            found[instead.name] = other.gain(bare)
+    return found

@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.diagnose.advice import loose_parameters
-from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.diagnose.candidate import columns_of, signals_of
 from frictionjoint.diagnose.motion_as_log import Carried, payload_of, prepared_motion
 from frictionjoint.diagnose.motions import (
     DURATIONS,

@@ -8,11 +8,9 @@ import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
 from frictionjoint.decisions import SURELY
-from frictionjoint.diagnose.determined import standard_errors
-from frictionjoint.diagnose.encoder_zero import offset_instead
+from frictionjoint.diagnose.determined import offset_instead, standard_errors
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.moves import Look
-from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.signals import TIME, Q, V
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import rms_interval
@@ -94,7 +92,7 @@ def added(
         rms = torque_rms(fitted_on, kept_back, step.fit, found.final.scale)
         if name in entries:
             first = entries[name]
-            number = 2 + sum(1 for s in found.findings[:i] if s.term.name == name) - 1
+            number = 1 + sum(s.term.name == name for s in found.findings[:i])
             more = {f"{key}_{number}": x for key, x in parameters.items()}
             entries[name] = replace(first, parameters=first.parameters | more, torque_rms=rms)
         else:
@@ -102,7 +100,7 @@ def added(
             ties = (*step.ties, "joint-offset") if turned else step.ties
             evidence = Evidence(
                 *(step.gain, step.row.p_value, step.row.frequency),
-                *(step.runner_up, step.margin, ties),
+                *(*step.runner_up, ties),
                 standard_errors(found.final, cov, i) < SURELY,
             )
             entries[name] = Added(name, step.term.effect.cause, parameters, evidence, rms)
@@ -182,18 +180,8 @@ def rankings(found: Trace) -> tuple[Looked, ...]:
         named = (r for r in look.rows if not r.candidate.unnamed)
         return tuple(Ranked(r.name, look.gain(r), r.p_value) for r in named)
 
-    looks = [Looked(f.term.name, f.runner_up, rows(f.look)) for f in found.findings]
+    looks = [Looked(f.term.name, f.runner_up[0], rows(f.look)) for f in found.findings]
     return tuple(looks) or (Looked(None, None, rows(found.last_look)),)
-
-
-def ties(found: Trace) -> tuple[tuple[Effect, str], ...]:
-    """Each added effect with an effect that explains as much."""
-    return tuple((f.term.effect, other) for f in found.findings for other in f.ties)
-
-
-def forms(found: Trace) -> tuple[tuple[Effect, Effect], ...]:
-    """Each added effect with another form of it that explains as much."""
-    return tuple((f.term.effect, other) for f in found.findings for other in f.forms)
 
 
 def rivals(found: Trace) -> list[tuple[int, Term]]:

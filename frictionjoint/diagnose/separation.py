@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.diagnose.candidate import columns_of, signals_of
 from frictionjoint.identify.basis import pseudo_inverse
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared

@@ -1,12 +1,14 @@
-"""Periodic terms from the spectrum of a fit's residual: in time, or in position."""
+"""Periodic terms from the spectrum of a fit's residual: in time, or in position; short waves."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from frictionjoint.arrays import Array
 from frictionjoint.decisions import APART
+from frictionjoint.diagnose.candidate import Candidate
+from frictionjoint.diagnose.gram import screen
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.effect import Effect
 from frictionjoint.effects.friction_level import REACHES
@@ -187,3 +189,23 @@ def _sharpened(
         return float(s @ np.linalg.lstsq(X.T @ X, s, rcond=1e-9)[0])
 
     return float(minimize_scalar(lambda x: -explained(x), bounds=bounds).x)
+
+
+def short_waves(prepared: Prepared, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Candidates that are waves with less than one and a half periods in the usual travel."""
+    fewest = 2.0 * np.pi * FEWEST_WAVES / prepared.usual_travel
+    return [c for c in candidates if c.term.effect.is_wave and c.term.shape[0] < fewest]
+
+
+def waves_like_curves(
+    fitted: Fit, blocks: Blocks, short: Sequence[Candidate], curves: Sequence[Candidate]
+) -> list[Candidate]:
+    """Short waves without half of the error of every free curve on unlike motion.
+
+    Short waves resemble any curve. But where a fold of the logs has no positions a wave continues,
+    and a curve does not.
+    """
+    seen = screen(fitted, blocks, [*short, *curves])
+    left = [float(seen.held_out([*seen.terms, at])[0].sum()) for at in seen.candidates]
+    most = (1.0 - APART) ** 2 * min(left[len(short) :], default=np.inf)
+    return [c for c, its in zip(short, left, strict=False) if its > most]

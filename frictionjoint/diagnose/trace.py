@@ -21,11 +21,10 @@ from frictionjoint.diagnose.drive import look_at_drive, share_left
 from frictionjoint.diagnose.drop import drop_redundant
 from frictionjoint.diagnose.exchange import best_forms, exchange_drive, try_other_effects
 from frictionjoint.diagnose.finding import Finding, Trace
-from frictionjoint.diagnose.motion_check import Replayed
-from frictionjoint.diagnose.moves import Look, Move, Moves, look
-from frictionjoint.diagnose.named_instead import better_than_curve, named_instead
+from frictionjoint.diagnose.moves import Look, Move, look, promising
+from frictionjoint.diagnose.one_missing import better_than_curve, named_instead
 from frictionjoint.diagnose.other_laws import OtherLaws, forms_like
-from frictionjoint.diagnose.outcome import finish_search
+from frictionjoint.diagnose.outcome import Replayed, finish_search
 from frictionjoint.diagnose.score import Scored, scored
 from frictionjoint.diagnose.state import (
     MOST_CHANGES,
@@ -223,7 +222,7 @@ def _taken(state: State, candidates: Sequence[Candidate], rng: np.random.Generat
 
     worth = [
         m
-        for m in Moves(current, seen, screened, candidates).best()
+        for m in promising(current, seen, screened, candidates)
         if beyond_chance(m) and may_gain(m) and not state.refuses(m)
     ]
     with side_by_side() as each:
@@ -340,7 +339,7 @@ def _follow(state: State) -> bool:
     Returns:
         whether another form is used.
     """
-    if state.laws.followed(state.fit):
+    if state.laws.followed is state.fit:
         return False
     if state.fit.effects and (
         slow := slow_fit(state.prepared, state.fit, forms_like(state.fit.shape))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.columns import columns_of, signals_of
+from frictionjoint.diagnose.candidate import columns_of, signals_of
 from frictionjoint.diagnose.library import effects, testable
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.basis import lengths, orthonormal
