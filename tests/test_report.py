@@ -242,9 +242,7 @@ def test_advice_names_what_these_logs_leave_open():
     ],
 )
 def test_values_stand_to_the_second_figure_of_their_error(value, stderr, text):
-    assert wording.value(Estimate(value, stderr, "N m"), spread=True) == text.replace(
-        " ± ", "\u00a0±\u00a0"
-    )
+    assert wording.value(Estimate(value, stderr, "N m")) == text.replace(" ± ", "\u00a0±\u00a0")
 
 
 def test_a_report_shows_itself_in_jupyter(demo_report):

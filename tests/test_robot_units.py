@@ -9,7 +9,7 @@ from frictionjoint.cli.close_loop import robots_of
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.result import Estimate
 from frictionjoint.parameter_meanings import SIDES
-from frictionjoint.report.units_report import Spread, UnitsReport
+from frictionjoint.report.robot_report import Spread, UnitsReport
 from tests.command_line import run
 
 ROW = Spread(

@@ -32,7 +32,7 @@ from frictionjoint.errors import LogError, ModelError
 from frictionjoint.law.names import LAWS
 
 if TYPE_CHECKING:  # the command line starts in a moment: what computes is imported by its command
-    from frictionjoint.report.units_report import UnitsReport
+    from frictionjoint.report.robot_report import UnitsReport
 
 
 @reads_logs("gain", "signal", "fixed", "controller")

@@ -52,27 +52,24 @@ def named_by_motion(
     Args:
         found: outcome of the search by torque. courses: the fitted logs. armature: of the MJCF.
     """
-    found, now = _with_supported_effects(found, courses, armature, progress)
-    return found, _with_armature(found, now, courses, progress)
-
-
-def _with_supported_effects(
-    found: Trace, courses: Sequence[Course], armature: float, progress: Callable[[str], None]
-) -> tuple[Trace, Refined]:
-    """Add the effects that the simulated motion of whole logs supports, best first."""
     now = refine(found.prepared, found.final, courses, progress)
-    if 0.5 ** len(courses) > SIGNIFICANCE:  # what so few logs say may as well be chance
-        return found, now
-    for _ in range(3):
+    # what very few logs say may as well be chance
+    rounds = 3 if 0.5 ** len(courses) <= SIGNIFICANCE else 0
+    count = float(np.mean([course.run.block[COUNT] ** 2 for course in courses]))
+    for _ in range(rounds):
         progress("checking effects by the simulated motion")
-        best = None
+        best, before = None, float(np.mean(now.near.fitted**2))
         for fitted, coefficients in _promising(found, now, courses, armature):
             prepared, fitted = reweighed(found.prepared, fitted)
             term = fitted.effects[-1]
             other = _near(prepared, fitted, courses, armature, now, coefficients)
-            part = error_removed(other, now) / float(np.mean(now.near.fitted**2))
+            # of models fitted to all logs: without a kind of logs, both would lose parameters that
+            # only this kind determines, which would hide what the effect removes
+            removed = float(np.mean(now.near.fitted**2 - other.fitted**2))
+            part = removed / before
             progress(f"checking {term.name} by the simulated motion: error down by {part:.0%}")
-            if not is_large(other, now, courses):
+            # less may come from an error of the law, and no encoder shows less than a count
+            if not removed >= max(SMALLEST_GAIN * before, count):
                 continue
             seen = held_out_evidence(term, other, now)
             (row,) = seen.rows
@@ -88,7 +85,7 @@ def _with_supported_effects(
         pairs = zip(found.findings, own.fit.effects, strict=False)
         findings = (*(replace(f, term=t) for f, t in pairs), own)
         found = replace(found, prepared=prepared, final=own.fit, findings=findings)
-    return found, now
+    return found, _with_armature(found, now, courses, progress)
 
 
 def _with_armature(
@@ -105,12 +102,11 @@ def _with_armature(
     prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)
     progress("refining the armature")
     near = _near(prepared, fitted, courses, now.found.vector.armature, now, np.zeros(1))
-    if not clearly_less(near.left_out, now.near.left_out):
-        return now
-    other = on_whole_logs(near, courses)
-    if not clearly_less(other.left_out, now.left_out):
-        return now
-    return Refined(near, other, now.before, taken=True)
+    if clearly_less(near.left_out, now.near.left_out):
+        other = on_whole_logs(near, courses)
+        if clearly_less(other.left_out, now.left_out):
+            return Refined(near, other, now.before, taken=True)
+    return now
 
 
 def _near(
@@ -146,25 +142,6 @@ def held_out_evidence(term: Term, other: Tried, now: Refined) -> Look:
     better = float(np.mean(own < without))
     row = Looked(without_columns(term), own**2, p_value, better)
     return Look((row,), without**2, 0.0)
-
-
-def error_removed(other: Tried, now: Refined) -> float:
-    """Mean square error that an effect removes from the windows of the logs, rad^2 (m^2).
-
-    The models were fitted to all logs: without a kind of logs, both would lose parameters that only
-    this kind determines, which would hide what the effect removes.
-    """
-    return float(np.mean(now.near.fitted**2 - other.fitted**2))
-
-
-def is_large(other: Tried, now: Refined, courses: Sequence[Course]) -> bool:
-    """Whether an effect removes as much as the search by torque requires, and one encoder count.
-
-    A smaller improvement may come from an error of the law.
-    """
-    nearer = error_removed(other, now)
-    count = np.mean([course.run.block[COUNT] ** 2 for course in courses])
-    return nearer >= max(SMALLEST_GAIN * float(np.mean(now.near.fitted**2)), float(count))
 
 
 def _promising(

@@ -101,8 +101,10 @@ def surprise(
     together = own[:-1] * (log[:-1] == log[1:])[:, None]
     covariance = 2.0 * float(np.trace(inverse @ together.T @ own[1:]))
     statistic[0] *= mean / (mean + max(covariance, 0.0))
-    # a few blocks know their spread roughly, and what signs make of it does not show that
-    known = max(1.0, _independent(A, inverse) - 1.0)
+    # a few blocks know their spread roughly, and what signs make of it does not show that: the
+    # effective number of blocks that determine the coefficients
+    part = np.einsum("bij,ji->b", A, inverse)
+    known = max(1.0, float(part.sum() ** 2 / max(np.sum(part**2), 1e-300)) - 1.0)
     tail = float(fdtrc(k, known, statistic[0] / k))
     return np.append(-np.log(max(tail, 1e-300)), _nats_of_chi_squared(k, statistic[1:]))
 
@@ -117,9 +119,3 @@ def _nats_of_chi_squared(k: float, statistic: Array) -> Array:
     grid = np.linspace(0.0, float(root.max()), 100)
     nats = -np.log(np.maximum(chdtrc(k, grid**2), 1e-300))
     return np.asarray(np.interp(root, grid, nats))
-
-
-def _independent(grams: Array, inverse: Array) -> float:
-    """Effective number of blocks that determine the coefficients."""
-    part = np.einsum("bij,ji->b", grams, inverse)
-    return float(part.sum() ** 2 / max(np.sum(part**2), 1e-300))

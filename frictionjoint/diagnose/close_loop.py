@@ -87,7 +87,6 @@ def explain(
 
 
 def _search(logs: JointLogs, seed: int, progress: Callable[[str], None], law: str | None) -> Trace:
-
     def replayed(prepared: Prepared, fitted: Fit) -> Array | None:
         if logs.loops is None:
             known = scale_is_determined(prepared, fitted)
@@ -126,11 +125,7 @@ def _simulate(
 
 
 def _compare_recordings(report: Report, logs: JointLogs, ends: bool) -> Report:
-    """The report with the recordings compared with each other.
-
-    Args:
-        ends: see `explain`.
-    """
+    """The report with the recordings compared with each other; `ends` as in `explain`."""
     loads = logs.bodies if ends else [*logs.bodies, *logs.held_out_bodies]
     recordings = zip((*logs.fitted, *logs.held_out), loads, strict=False)
     # the model of the report has the load of the first log

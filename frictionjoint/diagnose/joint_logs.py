@@ -94,7 +94,15 @@ def prepare_kept_back(
             of the fitted logs, or too few samples remain for a comparison.
     """
     for log in logs:
-        _require_drive_and_motion(log)
+        # an error without motion has no meaning
+        source = f"{log.name}, held out"
+        require_motion(source, log.position)
+        drive = next((x for x in (log.torque, log.voltage, log.current) if x is not None), None)
+        if drive is not None and not np.any(drive):
+            raise LogError(
+                f"{source}: the drive is exactly 0 all along, so no friction model can be judged "
+                "there: hold out a part or a log in which the drive acts"
+            )
     warm = [log.with_before() if measures_drive(log) else log for log in logs]
     prepared = prepare(warm, body, fitted.band, controller)
     if prepared.drive != fitted.drive:
@@ -111,18 +119,6 @@ def prepare_kept_back(
             f"has {left} independent samples: hold out a longer part or log"
         )
     return kept
-
-
-def _require_drive_and_motion(log: JointLog) -> None:
-    """Raise unless the drive moves the joint, because an error without motion has no meaning."""
-    source = f"{log.name}, held out"
-    require_motion(source, log.position)
-    drive = next((x for x in (log.torque, log.voltage, log.current) if x is not None), None)
-    if drive is not None and not np.any(drive):
-        raise LogError(
-            f"{source}: the drive is exactly 0 all along, so no friction model can be judged "
-            "there: hold out a part or a log in which the drive acts"
-        )
 
 
 def _from(segment: Segment, since: float) -> Segment:

@@ -89,7 +89,6 @@ def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepare
     edge = max(2, int(1.0 / (bandwidth * dt)))
     mask = np.ones(n, dtype=bool)
     mask[:edge] = mask[n - edge :] = False
-    driven = np.ones(n, dtype=bool)
     first = like.segments[0]
     segment = Segment(
         name=motion.name,
@@ -98,7 +97,7 @@ def prepared_motion(motion: Motion, like: Prepared, carried: Carried) -> Prepare
         step=1,
         signals=signals,
         drive=np.zeros(n),
-        driven=driven,
+        driven=np.ones(n, dtype=bool),
         mask=mask,
         others={},
         noise=first.noise,

@@ -85,8 +85,7 @@ def finish_search(
     # a model without effects is the law alone
     if state.fit.effects or not_given:
         findings = _settled(state, replayed, by_motion, rng)
-    prepared, base = with_last_freedoms(*alone)
-    prepared, base = with_assumptions(prepared, base)
+    prepared, base = with_assumptions(*with_last_freedoms(*alone))
     if findings or not_given:
         state.prepared, state.fit = with_assumptions(state.prepared, state.fit)
     else:

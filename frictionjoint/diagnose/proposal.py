@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -58,27 +57,15 @@ class Proposal:
     now: tuple[Separation, Separation]
 
     @property
-    def part(self) -> float:
-        """Part of what resolves the tie, see `_part`."""
-        return _part(self.expected)
-
-    @property
     def distinguishes(self) -> bool:
         """Whether it is expected to resolve the tie, whichever effect is true."""
-        return self.part >= 1.0
+        return _part(self.expected) >= 1.0
 
     @property
     def nested(self) -> bool:
         """Whether the second effect contains the first one as a special case."""
         first, second = self.expected
         return first.share < 1e-4 <= second.share
-
-
-class Sharpened(NamedTuple):
-    """A recording that determines parameters: the motion, and the estimates expected with it."""
-
-    motion: Motion
-    expected: dict[str, Estimate]
 
 
 class Planner:
@@ -117,7 +104,9 @@ class Planner:
         effect = Effect(term, self.fitted.term_coefficients(i) if term.coefficients else of_delay)
         law = np.flatnonzero(~self.fitted.bound & ~np.isin(np.arange(J.shape[1]), own))
         rival = self._rival(effect, other, J[:, law])
-        here = np.column_stack([J[:, law], *self._columns(effect, rival, self.prepared)])
+        both = effect, rival
+        columns = [x.columns(self.prepared, self.fitted) for x in both]
+        here = np.column_stack([J[:, law], *columns])
         logs = [self.fitted.log_index == i for i in np.unique(self.fitted.log_index)]
         first, *others = (moments(here[one], self.noise) for one in logs)
         old = sum(others, first)
@@ -131,8 +120,8 @@ class Planner:
             for motion, prepared, sensitive in self._motions(limits):
                 if loaded != (motion.payload > 0.0):
                     continue
-                both = self._columns(effect, rival, prepared)
-                U = np.column_stack([sensitive[:, law], *both])
+                columns = [x.columns(prepared, self.fitted) for x in both]
+                U = np.column_stack([sensitive[:, law], *columns])
                 for duration in _durations(motion):
                     if best is not None and best.distinguishes and duration > best.motion.duration:
                         break
@@ -148,14 +137,14 @@ class Planner:
 
     def sharpening(
         self, cov: Array, names: Sequence[str], law: Mapping[str, Estimate]
-    ) -> Sharpened | None:
+    ) -> tuple[Motion, dict[str, Estimate]] | None:
         """The recording that determines most of some parameters, and determines them best.
 
         Args:
             cov: of all parameters of the fit. names: of the law's parameters to determine.
             law: their present estimates.
         Returns:
-            None if no recording determines any of them.
+            its motion, and the estimates expected with it; None if none determines any of them.
         """
         best, most = None, (0, 0.0)
         noise = self._noise(self.limits)
@@ -171,7 +160,7 @@ class Planner:
             gained = [n for n, ratio in ratios.items() if ratio < 0.7 and is_known(found[n])]
             worth = (len(gained), -max((ratios[n] for n in gained), default=0.0))
             if worth > most:
-                best, most = Sharpened(part, {n: found[n] for n in gained}), worth
+                best, most = (part, {n: found[n] for n in gained}), worth
         return best
 
     def _rival(self, effect: Effect, other: Term, law: Array) -> Effect:
@@ -183,9 +172,6 @@ class Planner:
         both = np.column_stack([law, X])
         solved = np.linalg.lstsq(both, target, rcond=1e-10)[0]
         return Effect(other, np.asarray(solved[law.shape[1] :]))
-
-    def _columns(self, effect: Effect, rival: Effect, prepared: Prepared) -> tuple[Array, Array]:
-        return effect.columns(prepared, self.fitted), rival.columns(prepared, self.fitted)
 
     def _noise(self, limits: Limits) -> Noise:
         every = sampling(limits, self.prepared)
@@ -219,8 +205,8 @@ def _durations(motion: Motion) -> list[float]:
 
 def _worth(x: Proposal) -> tuple[bool, float, float, float]:
     """Sort key: recordings that distinguish first, then the shorter or the nearer one."""
-    either = max(y.share for y in x.expected)
-    return x.distinguishes, -x.motion.duration if x.distinguishes else 0.0, x.part, either
+    shortness = -x.motion.duration if x.distinguishes else 0.0
+    return x.distinguishes, shortness, _part(x.expected), max(y.share for y in x.expected)
 
 
 def is_known(x: Estimate) -> bool:
@@ -296,14 +282,15 @@ def to_sharpen(
         return (
             f"No motion within the range of these logs is expected to determine {meanings(names)}."
         )
+    motion, expected = found
     errors = []
-    for name, x in found.expected.items():
+    for name, x in expected.items():
         was = f"{law[name].stderr:.2g}" if is_known(law[name]) else "more than its value"
         unit = "" if x.unit == "1" else f" {x.unit}"
         errors.append(f"{meanings([name])} from {was} to {x.stderr:.2g}{unit}")
     return (
         f"To reduce the standard error of {', '.join(errors)} (computed): "
-        f"{described(found.motion, planner)}."
+        f"{described(motion, planner)}."
     )
 
 

@@ -54,16 +54,13 @@ def torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: fl
 
 def intervals(prepared: Prepared, found: Trace) -> Intervals | None:
     """Intervals of the torque's rms error before and after; None if there are too few blocks."""
-    pair = []
     first = prepared.segments[0]
     length = max(1, round(RUN_S / (first.dt * first.step)))
-    for fitted in (found.base, found.final):
-        e = _errors(prepared, fitted, found.final.scale)
-        block = np.arange(len(e)) // length
-        if len(e) < 5 * length:  # the spread of fewer tells nothing
-            return None
-        pair.append(rms_interval(e, block))
-    return pair[0], pair[1]
+    errors = [_errors(prepared, f, found.final.scale) for f in (found.base, found.final)]
+    if min(map(len, errors)) < 5 * length:  # the spread of fewer blocks tells nothing
+        return None
+    before, after = (rms_interval(e, np.arange(len(e)) // length) for e in errors)
+    return before, after
 
 
 def replay_intervals(runs: Sequence[tuple[Replay, Replay | None]]) -> Intervals | None:
@@ -143,10 +140,8 @@ def simulated_positions(
     """Measured and replayed position of each log.
 
     Args:
-        runs: before and after, of fitted and of held-out logs; empty without a replay.
+        runs: before and after, of fitted and of held-out logs.
     """
-    if not runs:
-        return ()
     found = []
     for role, prepared, before, after in zip(
         get_args(Role), (fitted_on, kept_back), *runs, strict=True

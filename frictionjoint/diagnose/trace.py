@@ -271,22 +271,13 @@ def _changed(state: State, choice: Choice, tried: Sequence[Tried], now: Scored) 
     """The model after a change, without effects that became redundant."""
     taken = choice.taken
     prepared, fitted = settled(*reweighed(taken.prepared, taken.score.fit))
-    gain = taken.score.gain(now)
+    gain, rivals = taken.score.gain(now), rivals_of(taken, tried, now)
     found = []
     for candidate in taken.move.added:
         seen = taken.move.seen if taken.move.seen.holds(candidate.term) else state.look
         row = seen.find(candidate.term)
-        found.append(
-            Finding(
-                term=candidate.term,
-                look=seen,
-                row=row,
-                gain=min(gain, seen.gain(row)) if gain > 0 else gain,
-                ties=choice.ties,
-                rivals=rivals_of(taken, tried, now),
-                fit=fitted,
-            )
-        )
+        its = min(gain, seen.gain(row)) if gain > 0 else gain
+        found.append(Finding(candidate.term, seen, row, its, choice.ties, rivals, fitted))
     changed = replace(state, prepared=prepared, fit=fitted, findings=[*state.findings, *found])
     drop_redundant(changed)
     return changed

@@ -1,6 +1,8 @@
-"""Entries of the report of one joint."""
+"""Results as the plain data of report.json, and entries of the report of one joint."""
 
-from dataclasses import asdict, dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, is_dataclass
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -11,9 +13,31 @@ from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rms import Rms
 from frictionjoint.measured.log import JointLog
 
+Content = Mapping[str, Any]
 Role = Literal["fit", "held-out"]
 Interval = tuple[float, float]
 Intervals = tuple[Interval, Interval]
+
+
+def content_of(result: Any) -> Any:
+    """A result as tables, lists, numbers and texts: as its `to_dict` decides, or by its fields."""
+    if hasattr(result, "to_dict"):
+        return content_of(result.to_dict())
+    if is_dataclass(result):
+        return {x.name: content_of(getattr(result, x.name)) for x in fields(result)}
+    if isinstance(result, Mapping):
+        return table_of(result)
+    # JSON has no infinity
+    if isinstance(result, float) and math.isinf(result):
+        return None
+    if isinstance(result, list | tuple):
+        return [content_of(x) for x in result]
+    return result
+
+
+def table_of(results: Mapping[str, Any]) -> dict[str, Any]:
+    """Results by name, as tables, lists, numbers and texts."""
+    return {name: content_of(x) for name, x in results.items()}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from frictionjoint.decisions import LEAST_NOISE
-from frictionjoint.report.content import Content
+from frictionjoint.report.entries import Content
 from frictionjoint.report.wording import drive_name, percentage, three
 
 Stage = Literal["before", "after"]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from frictionjoint.decisions import TIE
 from frictionjoint.effects.catalogue import title
-from frictionjoint.report.content import Content
+from frictionjoint.report.entries import Content
 from frictionjoint.report.numbers import effect_estimates, size_of
 from frictionjoint.report.wording import listed, three
 

@@ -13,8 +13,7 @@ from frictionjoint.report.joint_report import Report
 from frictionjoint.report.joints import joint_content, read_joints
 from frictionjoint.report.page import page_names, render, render_robot, render_units
 from frictionjoint.report.robot_report import SCHEMA as ROBOT
-from frictionjoint.report.robot_report import RobotReport
-from frictionjoint.report.units_report import UnitsReport
+from frictionjoint.report.robot_report import RobotReport, UnitsReport
 from frictionjoint.report.write import write_files
 
 FILES = ("report.json", "report.html", "model.xml")

@@ -18,7 +18,6 @@ from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
 from frictionjoint.refine.refined_model import RefinedModel
 from frictionjoint.replay.loops import LoopErrors
-from frictionjoint.report.content import table_of
 from frictionjoint.report.entries import (
     Added,
     Curve,
@@ -29,6 +28,7 @@ from frictionjoint.report.entries import (
     Role,
     SimulatedPosition,
     Torsion,
+    table_of,
 )
 from frictionjoint.report.error_figures import possible_noise
 
@@ -198,25 +198,14 @@ class Report:
 
         return report_html(self)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The content of report.json."""
-        return _with_possible_noise(table_of(self._content()))
-
-    def in_robot(self) -> dict[str, Any]:
-        """The content for one joint of a robot: without the parts that belong to the robot."""
-        own = {k: x for k, x in self._content().items() if k not in ("schema", "joint", "logs")}
-        own |= {"measured_rms": self.measured_rms, "increase": self.increase, "worse": self.worse}
-        if self.torsion:
-            own["torsion"] = self.torsion
-        return _with_possible_noise(table_of(own))
-
     def _staged(self, pair: Intervals | None) -> dict[str, Interval] | None:
         """An interval before and one after, as in report.json; none of another model's errors."""
         if pair is None:
             return None
         return {"after": pair[1]} if self.other_before else {"before": pair[0], "after": pair[1]}
 
-    def _content(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
+        """The content of report.json."""
         carried, refined = self.carried, self.refined
         before, balance = self.closed_loops or (None, None)
         after = (refined.loops if refined and refined.taken else None) or balance
@@ -230,54 +219,59 @@ class Report:
             if carried
             else None,
         }
-        return {
-            "schema": SCHEMA,
-            "joint": self.joint,
-            "units": {"torque": self.units[0], "position": self.units[1]},
-            "logs": self.logs,
-            "log_errors": self._log_errors(),
-            "slide": self.slide,
-            "drive": {
-                "source": "controller" if self.reconstructed else "measured",
-                "rms": {"before": self.drive_rms("before"), "after": self.drive_rms("after")},
-            },
-            "intervals": {
-                "torque_rms": self._staged(self.torque_interval),
-                "replay_rms": self._staged(self.replay_interval),
-            },
-            "bandwidth_hz": self.bandwidth_hz,
-            "at_rest": self._at_rest(),
-            "base": {"law": self.laws[0].law, "parameters": self.base},
-            "before": {
-                "torque_rms": self.before_torque,
-                "replay_rms": self.before_replay,
-                **_figures(before),
-            },
-            "added": self.added,
-            "after": {
-                "law": self.laws[1].law,
-                "parameters": self.final,
-                "torque_rms": self.after_torque,
-                "replay_rms": self.after_replay,
-                **_figures(after),
-            },
-            **{name: x for name, x in optional.items() if x},
-            "thresholds": self.thresholds,
-            "candidates": self.rankings,
-            "smallest": self.smallest,
-            "law_errors": self.law_errors,
-            "noise_floor": self.noise_floor,
-            "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
-            "proposals": self.proposals,
-            "notes": self.notes,
-            "verdict": self.verdict,
-        }
+        content = table_of(
+            {
+                "schema": SCHEMA,
+                "joint": self.joint,
+                "units": {"torque": self.units[0], "position": self.units[1]},
+                "logs": self.logs,
+                "log_errors": self._log_errors(),
+                "slide": self.slide,
+                "drive": {
+                    "source": "controller" if self.reconstructed else "measured",
+                    "rms": {"before": self.drive_rms("before"), "after": self.drive_rms("after")},
+                },
+                "intervals": {
+                    "torque_rms": self._staged(self.torque_interval),
+                    "replay_rms": self._staged(self.replay_interval),
+                },
+                "bandwidth_hz": self.bandwidth_hz,
+                "at_rest": self._at_rest(),
+                "base": {"law": self.laws[0].law, "parameters": self.base},
+                "before": {
+                    "torque_rms": self.before_torque,
+                    "replay_rms": self.before_replay,
+                    **_figures(before),
+                },
+                "added": self.added,
+                "after": {
+                    "law": self.laws[1].law,
+                    "parameters": self.final,
+                    "torque_rms": self.after_torque,
+                    "replay_rms": self.after_replay,
+                    **_figures(after),
+                },
+                **{name: x for name, x in optional.items() if x},
+                "thresholds": self.thresholds,
+                "candidates": self.rankings,
+                "smallest": self.smallest,
+                "law_errors": self.law_errors,
+                "noise_floor": self.noise_floor,
+                "unexplained": [{"variable": v, "share": s} for v, s in self.unexplained],
+                "proposals": self.proposals,
+                "notes": self.notes,
+                "verdict": self.verdict,
+            }
+        )
+        # no noise above an error that it states
+        return content | {"noise_floor": possible_noise(content)}
+
+    def in_robot(self) -> dict[str, Any]:
+        """The content for one joint of a robot: without the parts that belong to the robot."""
+        own = {k: x for k, x in self.to_dict().items() if k not in ("schema", "joint", "logs")}
+        more = {"measured_rms": self.measured_rms, "increase": self.increase, "worse": self.worse}
+        return own | table_of(more | ({"torsion": self.torsion} if self.torsion else {}))
 
 
 def _figures(loops: LoopErrors | None, prefix: str = "") -> dict[str, Any]:
     return {prefix + key: x for key, x in loops.figures().items()} if loops else {}
-
-
-def _with_possible_noise(content: dict[str, Any]) -> dict[str, Any]:
-    """The content with no noise above an error that it states."""
-    return content | {"noise_floor": possible_noise(content)}

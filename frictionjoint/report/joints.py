@@ -14,7 +14,7 @@ from frictionjoint.refine.posterior import Posterior
 from frictionjoint.report.entries import Added, LogEntry, Looked
 from frictionjoint.report.joint_report import SCHEMA, Verdict
 from frictionjoint.report.robot_report import SCHEMA as ROBOT
-from frictionjoint.report.units_report import SCHEMA as SEVERAL
+from frictionjoint.report.robot_report import UNITS_SCHEMA
 from frictionjoint.structured_files import read_json, require_form
 
 # what belongs to a robot, not to one of its joints
@@ -74,7 +74,7 @@ def read_joints(path: Path) -> tuple[Path, dict[str, dict[str, Any]]]:
     file = path / "report.json" if path.is_dir() else path
     content = read_json(file, "give report.json of close-loop")
     schema = content.get("schema") if isinstance(content, dict) else None
-    if schema == SEVERAL:
+    if schema == UNITS_SCHEMA:
         raise ParameterError(f"{file}: a report of several robots: give the folder of one of them")
     if schema not in (SCHEMA, ROBOT):
         raise ParameterError(

@@ -13,7 +13,7 @@ from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate, is_without_level
 from frictionjoint.parameter_meanings import by_direction, meaning
 from frictionjoint.report import wording
-from frictionjoint.report.content import Content
+from frictionjoint.report.entries import Content
 
 Status = Literal["determined", "not determined", "assumed", "fixed"]
 
@@ -83,7 +83,7 @@ def friction_card(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
 def with_unit(x: Estimate) -> str:
     """Value ± standard error, the unit, and whether it is fixed."""
     unit = "" if x.unit == "1" else f"\u00a0{wording.unit(x.unit)}"
-    return wording.value(x, spread=True) + unit + (" (fixed)" if x.stderr == 0.0 else "")
+    return wording.value(x) + unit + (" (fixed)" if x.stderr == 0.0 else "")
 
 
 def status_of(name: str, law: Mapping[str, Estimate]) -> Status:

@@ -7,10 +7,9 @@ from typing import Any
 from frictionjoint.report import charts, wording
 from frictionjoint.report.html import fill
 from frictionjoint.report.joint_report import Report
-from frictionjoint.report.robot_report import RobotReport
+from frictionjoint.report.robot_report import RobotReport, UnitsReport
 from frictionjoint.report.robot_summary import RobotSummary
 from frictionjoint.report.summary import Summary
-from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.report.wording import quantity
 
 FILTERS = {

@@ -7,14 +7,13 @@ from frictionjoint.decisions import SIGNIFICANCE
 from frictionjoint.effects.catalogue import title
 from frictionjoint.effects.quantities import quantity_of
 from frictionjoint.identify.result import Estimate
-from frictionjoint.report.content import Content
+from frictionjoint.report.entries import Content
 from frictionjoint.report.error_figures import STAGES, Stage, units_of
 from frictionjoint.report.evidence import cause_title
 from frictionjoint.report.joints import joint_content
-from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import estimates, with_unit
 from frictionjoint.report.summary import Summary
-from frictionjoint.report.wording import listed, percentage, three
+from frictionjoint.report.wording import listed, percentage, three, without_repetition
 
 _NONE = "–"
 _NO_MOTION = "no trajectory was found that stays within the limits of the robot without contact."

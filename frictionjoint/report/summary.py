@@ -7,7 +7,7 @@ and in `numbers`.
 
 from frictionjoint.decisions import AT_THE_FLOOR, SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.identify.rms import Rms
-from frictionjoint.report.content import Content
+from frictionjoint.report.entries import Content
 from frictionjoint.report.error_figures import (
     STAGES,
     ErrorRow,
@@ -28,9 +28,8 @@ from frictionjoint.report.evidence import (
     step_of,
     threshold_of,
 )
-from frictionjoint.report.notes import without_repetition
 from frictionjoint.report.numbers import carried, friction_card, result_estimates
-from frictionjoint.report.wording import listed, quantity, three
+from frictionjoint.report.wording import listed, quantity, three, without_repetition
 
 
 class Summary:

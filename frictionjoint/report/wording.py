@@ -1,13 +1,18 @@
-"""Text of numbers, units and names in reports."""
+"""Text of numbers, units and names in reports, and notes without repetition."""
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from frictionjoint.identify.result import Estimate
+from frictionjoint.law.names import LAWS
 
 # an exponent of two digits
 _EXPONENT = re.compile(r"e(-?)\+?0*")
+# what differs between notes that say the same: numbers, laws, and names in front of a colon
+_NUMBER = re.compile(r"[-+−]?\d[\d.,]*(?:e[-+]?\d+)?")
+_LAW = re.compile(rf"\b(?:{'|'.join(sorted(LAWS, key=len, reverse=True))})\b")
+_WHOSE = re.compile(r"^[\w ,./-]{1,60}: ")
 
 
 def known_as(effect: str, plain: str) -> str:
@@ -50,17 +55,12 @@ def three(value: float | None, figures: int = 3) -> str:
     return "–" if value is None else _plain(f"{value:.{figures}g}")
 
 
-def interval(pair: tuple[float, float] | None) -> str:
-    return f"{three(pair[0])} to {three(pair[1])}" if pair else "–"
+def interval(pair: tuple[float, float]) -> str:
+    return f"{three(pair[0])} to {three(pair[1])}"
 
 
-def value(x: Estimate | None, spread: bool = False) -> str:
-    """A value to the second figure of its standard error, else to four figures.
-
-    With `spread` the standard error follows, if there is one.
-    """
-    if x is None:
-        return "–"
+def value(x: Estimate) -> str:
+    """A value ± its standard error, to the second figure of that; else to four figures."""
     if not x.stderr or not math.isfinite(x.stderr):
         # what is smaller in any unit of a joint is the rounding of a zero
         number = round(x.value, 12) + 0.0
@@ -77,8 +77,7 @@ def value(x: Estimate | None, spread: bool = False) -> str:
         for number in (x.value, x.stderr)
     ]
     # the spaces do not break a line
-    joined = "\u00a0±\u00a0".join(texts if spread else texts[:1])
-    return _EXPONENT.sub(r"e\1", joined).replace("-", "−")
+    return _EXPONENT.sub(r"e\1", "\u00a0±\u00a0".join(texts)).replace("-", "−")
 
 
 def _plain(text: str) -> str:
@@ -95,3 +94,27 @@ def quantity(variable: str) -> str:
     if dot:
         return f"{name} of {joint!r}"
     return "the recording" if variable == "log" else variable.removesuffix("_c")
+
+
+def without_repetition(notes: Iterable[str]) -> tuple[str, ...]:
+    """Each note once; of several that differ only in numbers, law or log, the first one.
+
+    The first one names the other logs, joints or laws, or counts the other notes. Their order, most
+    important first, is kept.
+    """
+    alike: dict[str, list[str]] = {}
+    for note in dict.fromkeys(notes):
+        alike.setdefault(_LAW.sub("#", _NUMBER.sub("#", _WHOSE.sub("", note))), []).append(note)
+    return tuple(_joined(found) for found in alike.values())
+
+
+def _joined(notes: list[str]) -> str:
+    if len(notes) == 1:
+        return notes[0]
+    for pattern in (_WHOSE, _LAW):
+        names = [m.group().removesuffix(": ") for note in notes if (m := pattern.search(note))]
+        others = [name for name in dict.fromkeys(names) if name != names[0]]
+        if len(names) == len(notes) and others:
+            same = "The same holds, with other numbers, for"
+            return f"{notes[0]} ({same} {listed(others)}.)"
+    return f"{notes[0]} (And {len(notes) - 1} more, with other numbers.)"

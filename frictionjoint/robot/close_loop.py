@@ -29,10 +29,10 @@ from frictionjoint.report.robot_report import (
     RobotErrors,
     RobotReport,
     SharedCause,
+    UnitsReport,
     mean_percent,
     notes_of,
 )
-from frictionjoint.report.units_report import UnitsReport
 from frictionjoint.robot.alternatives import disagreements
 from frictionjoint.robot.causes.cause import Found
 from frictionjoint.robot.corrections import write_corrections
