@@ -7,7 +7,7 @@ from typing import Any
 import tomlkit
 
 from frictionjoint.effects.catalogue import SIMULATED
-from frictionjoint.effects.torque_gain import EFFECT as TORQUE_GAIN
+from frictionjoint.effects.motor import TORQUE_GAIN
 from frictionjoint.errors import ParameterError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.laws import parameters_from_dict

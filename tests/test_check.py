@@ -7,7 +7,7 @@ import pytest
 from command_line import run
 
 import frictionjoint as fj
-from frictionjoint.effects import spring
+from frictionjoint.effects.rigid_body import SPRING
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.simulate.check import check
 
@@ -79,7 +79,7 @@ def test_rk4_is_explicit_and_has_narrow_limits(ratio, damping_ratio):
         ({"attributes": 'springdamper="0.5 1"'}, "counts twice, with MuJoCo's own damping"),
         ({"flags": '<flag spring="disable" damper="disable"/>'}, "friction does not act: spring"),
         (
-            {"effects": [SimulatedEffect(spring.EFFECT, (), (9e4, 0.0))]},
+            {"effects": [SimulatedEffect(SPRING, (), (9e4, 0.0))]},
             "effect spring is an explicit spring with h sqrt(k/J) = 3",
         ),
     ],

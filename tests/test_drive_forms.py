@@ -10,8 +10,8 @@ from frictionjoint.diagnose.finding import Finding
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.state import State
-from frictionjoint.effects import back_emf
 from frictionjoint.effects.drive import DROP_ABOVE_OUTPUT, DUTY_DROP
+from frictionjoint.effects.motor import BACK_EMF
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
@@ -40,7 +40,7 @@ def test_of_forms_that_leave_the_same_the_first_is_taken_and_the_other_said():
     logs = [servo(m.__name__, GAIN, m, hidden) for m in (steps, sines, swept)]
     prepared = prepare(logs, BODY, controller=KNOWN)
     of_output = DriveTerm(DROP_ABOVE_OUTPUT, (0.31 * GAIN, 0.35))
-    state = state_with(prepared, EffectTerm(back_emf.EFFECT), of_output)
+    state = state_with(prepared, EffectTerm(BACK_EMF), of_output)
     rng = np.random.default_rng(0)
     assert exchange_drive(state, rng)
     found = state.findings[1]

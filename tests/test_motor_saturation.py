@@ -9,8 +9,8 @@ from test_motor import GRAVITY, INERTIA, LENGTH, MASS, XML
 
 from frictionjoint import FrictionParameters, attach
 from frictionjoint.diagnose.trace import trace
-from frictionjoint.effects import motor_saturation
-from frictionjoint.effects.motor_saturation import given as given_torque
+from frictionjoint.effects.motor import SATURATION
+from frictionjoint.effects.motor import given as given_torque
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -81,7 +81,7 @@ def saturating(effects=(), gain=GAIN, emf=EMF, **actuator):
     return spec.compile()
 
 
-EFFECT = SimulatedEffect(motor_saturation.EFFECT, (), (S,))
+EFFECT = SimulatedEffect(SATURATION, (), (S,))
 
 
 @given(st.floats(-1e3, 1e3), st.floats(0.0, 1e6))

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 from test_one_joint import LAW, STEP, N, block, in_mujoco, run_of
 
-from frictionjoint.effects import motor_temperature
+from frictionjoint.effects.motor import TEMPERATURE
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.simulate.motor import Motor
 from frictionjoint.simulate.one_joint import JointModel, simulate
 
 T0, A = 30.0, 0.02
 GAIN, EMF = 0.1, 0.05
-EFFECT = SimulatedEffect(motor_temperature.EFFECT, (T0,), (A,))
+EFFECT = SimulatedEffect(TEMPERATURE, (T0,), (A,))
 TARGET = 0.8 * np.sin(6.0 * STEP * np.arange(N))
 START = (0.3, -0.5)
 CONTROL = block(KP=12.0, KD=0.1, SUPPLY=1.0, LIMIT=7.0)

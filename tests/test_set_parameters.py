@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import frictionjoint as fj
-from frictionjoint.effects import spring, torque_bias
+from frictionjoint.effects.rigid_body import SPRING, TORQUE_BIAS
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.files import read_samples, toml_document
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
@@ -28,7 +28,7 @@ def law(Fs: float) -> fj.FrictionParameters:
 
 
 def bias(torque: float) -> SimulatedEffect:
-    return SimulatedEffect(torque_bias.EFFECT, (), (torque,))
+    return SimulatedEffect(TORQUE_BIAS, (), (torque,))
 
 
 def model(Fs: float = 1.0, torque: float = 0.2) -> mujoco.MjModel:
@@ -66,7 +66,7 @@ def test_a_changed_joint_moves_as_one_that_was_compiled_so():
         ("a", LuGreParameters.symmetric(Fs=1.5, Fc=1.0, Vs=0.05, sigma0=300.0), "keep law"),
         (
             "a",
-            JointFriction(law(1.0), (SimulatedEffect(spring.EFFECT, (), (1.0, 0.0)),)),
+            JointFriction(law(1.0), (SimulatedEffect(SPRING, (), (1.0, 0.0)),)),
             "has the effects torque-bias, not spring",
         ),
     ],

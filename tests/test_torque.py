@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.effects import spring, torque_bias
+from frictionjoint.effects.rigid_body import SPRING, TORQUE_BIAS
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import ElastoplasticParameters, LuGreParameters, StaticParameters
 from tests.standing import plain_mass
@@ -88,9 +88,9 @@ def test_the_parts_are_those_of_the_law_and_add_up_to_what_acts(law):
 
 def test_effects_are_read_one_by_one():
     effects = [
-        SimulatedEffect(torque_bias.EFFECT, (), (0.25,)),
-        SimulatedEffect(spring.EFFECT, (), (0.7, 0.1)),
-        SimulatedEffect(torque_bias.EFFECT, (), (-0.05,)),
+        SimulatedEffect(TORQUE_BIAS, (), (0.25,)),
+        SimulatedEffect(SPRING, (), (0.7, 0.1)),
+        SimulatedEffect(TORQUE_BIAS, (), (-0.05,)),
     ]
     m = model(effects=effects)
     with fj.attach(m):

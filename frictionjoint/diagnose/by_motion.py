@@ -21,7 +21,7 @@ from frictionjoint.diagnose.drive import sign_flips
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.library import effect_terms, effects
 from frictionjoint.diagnose.moves import ALTERNATIVES, Look, Looked, look
-from frictionjoint.effects.inertia_error import EFFECT as ARMATURE
+from frictionjoint.effects.rigid_body import INERTIA_ERROR
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
@@ -98,7 +98,7 @@ def _with_armature(
     """
     if any(t.effect.is_inertia for t in found.final.terms):
         return now
-    terms = (*found.final.effects, EffectTerm(ARMATURE))
+    terms = (*found.final.effects, EffectTerm(INERTIA_ERROR))
     prepared, fitted = found.prepared, refit(found.prepared, terms, found.final.shape, ROUGH)
     progress("refining the armature")
     near = _near(prepared, fitted, courses, now.found.vector.armature, now, np.zeros(1))

@@ -41,8 +41,7 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
 
     The size is that of its best determined coefficient; of a slow change, at the rate that was
     found, because it is certain long before its end and its rate are known. For an effect without
-    coefficients it is that of its shape numbers, each of which has a value that changes nothing,
-    see `Effect.none`.
+    coefficients it is that of its shape numbers, see `Effect.vanishes`.
 
     Args:
         cov: of all parameters of the fit, in the order of its Jacobian.
@@ -56,11 +55,10 @@ def standard_errors(fitted: Fit, cov: Array, i: int) -> float:
         cov = _given(cov, layout.numbers(i)) if term.effect.slow else cov
     else:
         x, at = np.array(term.free_shape), layout.numbers(i)
-        if term.effect.none:
-            x = x - np.array(term.effect.none)
-        if term.effect.extent:  # flanks without play are an elastic gear, however well determined
-            k = term.effect.shape.index(term.effect.extent) - term.effect.shape_fixed
-            x, at = x[k : k + 1], slice(at.start + k, at.start + k + 1)
+        if term.effect.vanishes:
+            name, none = term.effect.vanishes
+            k = term.effect.shape.index(name) - term.effect.shape_fixed
+            x, at = x[k : k + 1] - none, slice(at.start + k, at.start + k + 1)
     if not len(x):
         return np.inf
     with np.errstate(divide="ignore", invalid="ignore"):

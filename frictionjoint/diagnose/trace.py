@@ -104,7 +104,9 @@ def _search(state: State, rng: np.random.Generator, progress: Callable[[str], No
             progress(f"missing effect {change}: {', '.join(taken)}")
         # what is named now may have bent the laws, and as long as a drive is off they are bent
         bent = bent or state.fit.drive_rms**2 < (1.0 - APART) * left**2
-        if bent and not (taken and _early(state)):
+        # certain effects and effects of the drive come first, and more of them may follow
+        early = all(t.effect.first or t.effect.drive for t in state.fit.effects)
+        if bent and not (taken and early):
             laws.fit_from_all_starts(state.prepared, state.fit.effects)
             bent = False
         changed: list[str] | bool = _follow(state) or taken
@@ -131,19 +133,12 @@ def _step(state: State, rng: np.random.Generator) -> list[str]:
     Effects that are certain to exist are tried first, then effects of the drive, then all others.
     The evidence for each group is unreliable while an effect of an earlier group is missing.
     """
-    if not state.fit.effects:
-        return (
-            _taken(state, _first(state), rng)
-            or _drive_with_certain_effect(state, _first(state), rng)
-            or _taken(state, state.candidates, rng)
-        )
-    return _of_drive(state, rng) or _taken(state, state.candidates, rng)
-
-
-def _early(state: State) -> bool:
-    """Whether the model contains only certain effects and effects of the drive so far."""
-    effects = state.fit.effects
-    return all(t.effect.first or t.effect.drive for t in effects)
+    if state.fit.effects:
+        taken = _of_drive(state, rng)
+    else:
+        first = _first(state)
+        taken = _taken(state, first, rng) or _drive_with_certain_effect(state, first, rng)
+    return taken or _taken(state, state.candidates, rng)
 
 
 def _first(state: State) -> list[Candidate]:

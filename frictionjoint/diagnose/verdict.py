@@ -48,22 +48,18 @@ def verdict(
         return "too-short-to-tell" if found.detection_limit.too_short else "no-effect-found"
     worse = diverges or any(a.worse_than(b) for b, a in zip(before, after, strict=True))
     contradicted = worse or after[0].only_fitted
-    if not found.findings or found.unexplained or contradicted or _at_a_bound(found.final):
+    final = found.final
+    own = (final.layout.of_term(i) for i in range(len(final.effects)))
+    at_a_bound = any(bool(final.bound[at].any()) for at in own)
+    if not found.findings or found.unexplained or contradicted or at_a_bound:
         return "partly-explained"
-    final, noise = found.final, noise_floor(found.prepared, found.final.gain)
-    left = final.rms_in_motion
+    noise, left = noise_floor(found.prepared, final.gain), final.rms_in_motion
     # an error far below an estimate of the noise contradicts the estimate
     if noise < LEAST_NOISE * final.target_rms or left < noise / AT_THE_FLOOR:
         as_noise = _is_white(final, found.prepared)
     else:
         as_noise = left <= AT_THE_FLOOR * noise
     return "explained" if as_noise else "partly-explained"
-
-
-def _at_a_bound(fitted: Fit) -> bool:
-    """Whether a parameter of an effect has reached the end of its range."""
-    own = (fitted.layout.of_term(i) for i in range(len(fitted.effects)))
-    return any(bool(fitted.bound[at].any()) for at in own)
 
 
 def _is_white(fitted: Fit, prepared: Prepared) -> bool:

@@ -129,7 +129,8 @@ EFFECT = Effect(
     bounds=((0.0, 1.5),),
     shape_bounds=((0.0, float("inf")), (0.5, float("inf")), (0.02, 1.0), (0.0, float("inf"))),
     of_load=True,
-    extent="gap_times_inertia",
+    # flanks without play are an elastic gear, however well determined
+    vanishes=("gap_times_inertia", 0.0),
     leaps=True,
     acts="mechanism",
 )

@@ -8,38 +8,32 @@ import copyreg
 from typing import Any
 
 from frictionjoint.effects import (
-    back_emf,
     backlash,
     direction_asymmetry,
     dwell_time,
     end_stop,
     frictional_lag,
-    gravity_error,
     heating,
-    inertia_error,
     joint_elasticity,
     load_dependent,
     measurement_delay,
-    motor_saturation,
-    motor_temperature,
+    motor,
     nonlinear_viscous,
     position_periodic,
-    spring,
+    rigid_body,
     temperature_dependent,
-    torque_bias,
-    torque_gain,
     warm_up_drift,
 )
 from frictionjoint.effects.drive import DRIVE_EFFECTS
 from frictionjoint.effects.effect import Effect
 
 CATALOGUE: tuple[Effect, ...] = (
-    torque_bias.EFFECT,
-    inertia_error.EFFECT,
-    gravity_error.EFFECT,
-    gravity_error.ALONG_CENTRE,
-    torque_gain.EFFECT,
-    spring.EFFECT,
+    rigid_body.TORQUE_BIAS,
+    rigid_body.INERTIA_ERROR,
+    rigid_body.GRAVITY_ERROR,
+    rigid_body.GRAVITY_ALONG_CENTRE,
+    motor.TORQUE_GAIN,
+    rigid_body.SPRING,
     *load_dependent.FORMS,
     position_periodic.EFFECT,
     position_periodic.PERIODIC_LEVEL,
@@ -56,9 +50,9 @@ CATALOGUE: tuple[Effect, ...] = (
     end_stop.UPPER,
     end_stop.LOWER,
     end_stop.BOTH,
-    back_emf.EFFECT,
-    motor_saturation.EFFECT,
-    motor_temperature.EFFECT,
+    motor.BACK_EMF,
+    motor.SATURATION,
+    motor.TEMPERATURE,
 )
 
 SIMULATED: tuple[Effect, ...] = (*CATALOGUE, heating.EFFECT)

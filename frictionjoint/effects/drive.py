@@ -252,7 +252,7 @@ GAIN_ERROR = _of_drive(
     drive=_with_factor,
     controller=_with_gain,
     drive_shapes=lambda logs: [(factor,) for factor in (0.7, 0.85, 1.2, 1.5)],
-    none=(1.0,),
+    vanishes=("factor", 1.0),
 )
 
 DRIVE_EFFECTS: tuple[Effect, ...] = (

@@ -46,8 +46,7 @@ class Effect:
         entry: how it enters the torque. cause, form, source, signature: text for people.
         bounds: of each coefficient, in units of its column; they state the physical sign.
         shape_bounds: of each shape number; none where empty.
-        slow: it changes over minutes, and a log may contain a single value, so its gain is judged
-            on parts of every log and not on whole logs.
+        slow: it changes over minutes, and is certain long before its end and its rate are known.
         decays_over: the shape number over which its level falls to 37%.
         proposed_by: source of initial shape numbers: the grid of `shapes`, or, for effects fixed
             in angle, the spectrum of the residual over position.
@@ -75,8 +74,8 @@ class Effect:
             to block and delay of the actual one. Such an effect has no coefficients.
         controller: for an effect of the drive, the fields of a `Controller` that it changes.
         drive_shapes: grid of shape numbers to search, from the commands of each log.
-        none: shape numbers at which it changes nothing; empty: all 0, or infinite.
-        extent: the shape number at whose zero it is another effect, or none.
+        vanishes: the shape number that states its size, and the value at which it changes nothing;
+            None: all of them, at 0.
         separating_motion: what to record to distinguish it from similar effects.
     """
 
@@ -120,8 +119,7 @@ class Effect:
     drive: Callable[[Array, float, Shape], tuple[Array, float]] | None = None
     controller: Callable[[Controller, Shape], dict[str, Any]] | None = None
     drive_shapes: Callable[[Sequence[Commands]], list[Shape]] | None = None
-    none: Shape = ()
-    extent: str = ""
+    vanishes: tuple[str, float] | None = None
 
     def __repr__(self) -> str:
         return f"Effect({self.name!r}, {self.form!r})"

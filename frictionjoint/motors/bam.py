@@ -19,8 +19,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from frictionjoint.effects.back_emf import EFFECT as BACK_EMF
 from frictionjoint.effects.load_dependent import COULOMB, FORMS, STRIBECK
+from frictionjoint.effects.motor import BACK_EMF
 from frictionjoint.errors import ParameterError
 from frictionjoint.export.sliding import levels
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect

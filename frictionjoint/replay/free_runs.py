@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.effects.motor_saturation import EFFECT as SATURATION
+from frictionjoint.effects.motor import SATURATION
 from frictionjoint.effects.signals import TEMP, TIME, Q
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.fixed_joints import lock, take_pose

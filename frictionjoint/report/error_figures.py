@@ -57,13 +57,6 @@ def drive_of(content: Content, unit: str) -> str:
     return f"{'controller’s' if source == 'controller' else 'measured'} {name}"
 
 
-def models_differ(content: Content) -> bool:
-    """Whether the errors before and after are of two models."""
-    keys = ("fit", "held_out")
-    pairs = [[content[stage]["torque_rms"][key] for key in keys] for stage in STAGES]
-    return any(a != b for a, b in zip(*pairs, strict=True))
-
-
 def errors_of(content: Content, units: tuple[str, str]) -> tuple[ErrorRow, ...]:
     """Every error that is stated, before and after."""
     drive = drive_name(units[0], content.get("slide", False))

@@ -2,42 +2,38 @@
 
 import numpy as np
 
+from frictionjoint.arrays import Array
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.validate import FAR
-from frictionjoint.report.charts import Chart, cloud, over_time
+from frictionjoint.report.charts import Chart, Colour, cloud, over_time
 
 
 def log_charts(log: JointLog) -> tuple[Chart, ...]:
     """Position, velocity and drive over time, then the drive against velocity and position."""
-    x = "m" if log.slide else "rad"
-    drives = (
-        ("force" if log.slide else "torque", log.torque, "N" if log.slide else "N m"),
-        ("voltage", log.voltage, "V"),
-        ("current", log.current, "A"),
-    )
+    x, torque, newtons = ("m", "force", "N") if log.slide else ("rad", "torque", "N m")
     time = log.time - log.time[0]
-    position = [over_time("measured", time, log.position, "measured")]
-    if log.target is not None:
-        position.append(over_time("target", time, log.target, "target"))
-    found = [Chart("Position", "time, s", f"position, {x}", tuple(position), log.name)]
-    if log.velocity is not None:
-        line = over_time("measured", time, log.velocity, "measured")
-        found.append(Chart("Velocity", "time, s", f"velocity, {x}/s", (line,), log.name))
-    for name, drive, unit in drives:
-        if drive is None:
+    against = (("velocity", log.velocity, f"{x}/s"), ("position", log.position, x))
+    tracks: tuple[tuple[str, Array | None, str, Colour], ...] = (
+        ("position", log.position, x, "measured"),
+        ("velocity", log.velocity, f"{x}/s", "measured"),
+        (torque, log.torque, newtons, "after"),
+        ("voltage", log.voltage, "V", "after"),
+        ("current", log.current, "A", "after"),
+        ("temperature", log.temperature, "°C", "before"),
+    )
+    found = []
+    for name, values, unit, colour in tracks:
+        if values is None:
             continue
-        label = f"{name}, {unit}"
-        line = over_time("measured", time, drive, "after")
-        found.append(Chart(name.capitalize(), "time, s", label, (line,), log.name))
-        against = [("position", log.position, f"position, {x}")]
-        if log.velocity is not None:
-            against.insert(0, ("velocity", log.velocity, f"velocity, {x}/s"))
-        for other, values, axis in against:
-            points = cloud("measured", values, drive, "after")
-            found.append(Chart(f"{name.capitalize()} against {other}", axis, label, (points,)))
-    if log.temperature is not None:
-        line = over_time("measured", time, log.temperature, "before")
-        found.append(Chart("Temperature", "time, s", "temperature, °C", (line,), log.name))
+        lines, label = [over_time("measured", time, values, colour)], f"{name}, {unit}"
+        if name == "position" and log.target is not None:
+            lines.append(over_time("target", time, log.target, "target"))
+        found.append(Chart(name.capitalize(), "time, s", label, tuple(lines), log.name))
+        for other, along, its_unit in against if colour == "after" else ():
+            if along is not None:
+                points = (cloud("measured", along, values, "after"),)
+                title = f"{name.capitalize()} against {other}"
+                found.append(Chart(title, f"{other}, {its_unit}", label, points))
     return tuple(found)
 
 

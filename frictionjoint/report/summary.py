@@ -16,7 +16,6 @@ from frictionjoint.report.error_figures import (
     compared,
     drive_of,
     errors_of,
-    models_differ,
     noise_of,
     units_of,
 )
@@ -63,8 +62,9 @@ class Summary:
         self.smallest = smallest_of(content, self.units[0])
         self.effects = tuple(EffectRow(content, added) for added in content["added"])
         self.shared = tuple(map(cause_title, content.get("shared", ())))
-        other_law = self.laws[0] != self.laws[1]
-        self.changed = bool(self.effects) or other_law or models_differ(content)
+        before, after = (content[stage]["torque_rms"] for stage in STAGES)
+        differ = any(before[key] != after[key] for key in ("fit", "held_out"))
+        self.changed = bool(self.effects) or self.laws[0] != self.laws[1] or differ
         self.errors = errors_of(content, self.units)
         closed = [e for e in self.errors if e.quantity.endswith("closed loop")]
         self.position_first = bool(closed)

@@ -26,20 +26,20 @@ def write_files(folder: Path, contents: Contents, checks: Checks | None = None) 
     Raises:
         FrictionJointError: the folder cannot be written; nothing new stays in it.
     """
+    # a name, or the beginning of names, that nothing else has
+    hidden = f".frictionjoint-{secrets.token_hex(4)}-"
     try:
-        if folder.exists():
-            _into(folder, contents, checks or {})
-        else:
-            _as_new(folder, contents, checks or {})
+        write = _into if folder.exists() else _as_new
+        write(folder, hidden, contents, checks or {})
     except OSError as error:
         reason = error.strerror or str(error)
         raise FrictionJointError(f"{folder}: cannot write the result: {reason}") from None
 
 
-def _as_new(folder: Path, contents: Contents, checks: Checks) -> None:
+def _as_new(folder: Path, hidden: str, contents: Contents, checks: Checks) -> None:
     parent = folder.absolute().parent
     missing = [p for p in (parent, *parent.parents) if not p.exists()]
-    staging = parent / _hidden()
+    staging = parent / hidden
     try:
         parent.mkdir(parents=True, exist_ok=True)
         staging.mkdir()
@@ -53,8 +53,7 @@ def _as_new(folder: Path, contents: Contents, checks: Checks) -> None:
         raise
 
 
-def _into(folder: Path, contents: Contents, checks: Checks) -> None:
-    hidden = _hidden()
+def _into(folder: Path, hidden: str, contents: Contents, checks: Checks) -> None:
     try:
         _finish(folder, hidden, contents, checks)
         for name in contents:
@@ -72,8 +71,3 @@ def _finish(folder: Path, prefix: str, contents: Contents, checks: Checks) -> No
         (folder / (prefix + name)).write_bytes(data)
     for name, check in checks.items():
         check(folder / (prefix + name))
-
-
-def _hidden() -> str:
-    """A name, or the beginning of names, that nothing else has."""
-    return f".frictionjoint-{secrets.token_hex(4)}-"

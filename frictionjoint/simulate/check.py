@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 
 from frictionjoint.arguments import require_model
-from frictionjoint.effects import heating, motor_temperature, temperature_dependent
+from frictionjoint.effects import heating, motor, temperature_dependent
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
@@ -141,6 +141,6 @@ def how_it_acts(joint: str, carried: SimulatedEffect) -> str:
         return f"delays the joint's sensors of {late}, not the control loops of the model"
     if effect is heating.EFFECT:
         return "warms the joint by the heat of friction"
-    if effect in (*temperature_dependent.FORMS, motor_temperature.EFFECT):
+    if effect in (*temperature_dependent.FORMS, motor.TEMPERATURE):
         return "acts at the temperature that heating or set_temperature gives"
     return "scales friction" if effect.entry == "scales the friction level" else "adds a torque"

@@ -15,7 +15,7 @@ from typing import Literal
 
 import mujoco
 
-from frictionjoint.effects.motor_saturation import given
+from frictionjoint.effects.motor import given
 from frictionjoint.errors import ModelError
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
-from frictionjoint.effects import motor_saturation, motor_temperature
+from frictionjoint.effects import motor
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.model_view import ModelView, names_of
 from frictionjoint.simulate.pointers import (
@@ -24,9 +24,7 @@ from frictionjoint.simulate.pointers import (
     wholes_in,
 )
 
-_IDS = tuple(
-    float(effect.effect_id) for effect in (motor_saturation.EFFECT, motor_temperature.EFFECT)
-)
+_IDS = tuple(float(effect.effect_id) for effect in (motor.SATURATION, motor.TEMPERATURE))
 _JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
 _NO_ACTUATION = int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
 _NO_CLAMP = int(mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import frictionjoint as fj
-from frictionjoint.effects.torque_bias import EFFECT as TORQUE_BIAS
+from frictionjoint.effects.rigid_body import TORQUE_BIAS
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
