@@ -11,7 +11,7 @@ from test_early_checks import stages
 import frictionjoint as fj
 from frictionjoint import close_loop, uninstall
 from frictionjoint.decisions import CLEARLY
-from frictionjoint.effects.load_dependent import EFFECT as LOAD_DEPENDENT
+from frictionjoint.effects.friction_level import LOAD_DEPENDENT
 from frictionjoint.errors import LogError
 from frictionjoint.files import joint_friction
 from frictionjoint.identify.assumptions import (

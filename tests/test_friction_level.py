@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from acting import acting, name, torques
 
-from frictionjoint.effects import backlash, dwell_time, warm_up_drift
+from frictionjoint.effects import backlash, warm_up_drift
+from frictionjoint.effects.friction_level import DWELL_TIME
 from frictionjoint.effects.kernel import columns, scales_level
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, ONSET, TIME, H, Q, V
 
@@ -28,7 +29,7 @@ def test_stiction_grows_with_the_rest_before_it_and_is_slid_off():
     tau, slip, reach = 0.5, 0.05, 1e-5
     peaks = []
     for rest in (0.1, 0.5, 3.0):
-        torque = columns(dwell_time.EFFECT.effect_id, (tau, slip, reach), 1, slid_rested_slid(rest))
+        torque = columns(DWELL_TIME.effect_id, (tau, slip, reach), 1, slid_rested_slid(rest))
         steady = (1.0 / tau) / (1.0 / tau + 0.5 / slip)
         after = torque[-1000:, 0]
         peaks.append(after.max() - steady)

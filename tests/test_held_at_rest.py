@@ -9,7 +9,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import frictionjoint as fj
-from frictionjoint.effects import dwell_time, nonlinear_viscous, warm_up_drift
+from frictionjoint.effects import nonlinear_viscous, warm_up_drift
+from frictionjoint.effects.friction_level import DWELL_TIME
 from frictionjoint.joint_friction import SimulatedEffect
 from tests.standing import LINKAGE, law, one_joint, plain_mass, random_tree, table, with_friction
 
@@ -88,7 +89,7 @@ def test_concave_viscous_friction_neither_turns_a_joint_round_nor_lets_it_creep(
 
 
 COLD = (SimulatedEffect(warm_up_drift.EFFECT, (1e6,), (2.1, 0.0)), 9e7, 2.4)
-AGED = (SimulatedEffect(dwell_time.EFFECT, (0.5, 1e-3, 3e-6), (4.0,)), 1e4, 4.0)
+AGED = (SimulatedEffect(DWELL_TIME, (0.5, 1e-3, 3e-6), (4.0,)), 1e4, 4.0)
 
 
 @pytest.mark.parametrize("raised", [COLD, AGED], ids=["cold", "aged"])

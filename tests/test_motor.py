@@ -7,7 +7,7 @@ import pytest
 
 from frictionjoint.diagnose.candidate import signals_of
 from frictionjoint.diagnose.library import effect_terms
-from frictionjoint.effects import load_dependent
+from frictionjoint.effects.friction_level import LOAD_DEPENDENT
 from frictionjoint.effects.motor import BACK_EMF
 from frictionjoint.errors import LogError
 from frictionjoint.identify.prepare import prepare
@@ -80,7 +80,7 @@ def fitted(one, *effects):
 
 def test_letting_go_tells_viscous_friction_from_back_emf_and_the_gear_load(driven_and_let_go):
     """The rotor's own torque is no load: in free swing that is most of the rigid body's."""
-    found = fitted(driven_and_let_go, BACK_EMF, load_dependent.EFFECT)
+    found = fitted(driven_and_let_go, BACK_EMF, LOAD_DEPENDENT)
     assert found.gain == pytest.approx(0.1, rel=0.01)
     assert found.term_coefficients(0)[0] == pytest.approx(0.04, rel=0.02)
     assert found.coefficient("sigma2") == pytest.approx(VISCOUS, rel=0.02)

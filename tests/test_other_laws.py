@@ -8,7 +8,7 @@ from trial_logs import PENDULUM, prepared_logs
 
 from frictionjoint.diagnose.other_laws import OtherLaws
 from frictionjoint.diagnose.trace import INTEGRATED_LAW
-from frictionjoint.effects.dwell_time import EFFECT as DWELL_TIME
+from frictionjoint.effects.friction_level import DWELL_TIME
 from frictionjoint.effects.rigid_body import SPRING
 from frictionjoint.identify.base_fit import base_fit
 from frictionjoint.identify.intervals import stated_covariance

@@ -10,7 +10,7 @@ from frictionjoint.diagnose.physical_bounds import LEAST_ACTING, exceeding_frict
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import improves
 from frictionjoint.effects.drive import DRIVE_LIMIT as LIMITED
-from frictionjoint.effects.frictional_lag import EFFECT as LAG
+from frictionjoint.effects.friction_level import FRICTIONAL_LAG as LAG
 from frictionjoint.effects.nonlinear_viscous import EFFECT
 from frictionjoint.effects.warm_up_drift import EFFECT as WARM_UP
 from frictionjoint.identify.blocks import make_blocks

@@ -8,13 +8,8 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.effects import (
-    heating,
-    load_dependent,
-    measurement_delay,
-    temperature_dependent,
-    warm_up_drift,
-)
+from frictionjoint.effects import heating, measurement_delay, temperature_dependent, warm_up_drift
+from frictionjoint.effects.friction_level import LOAD_DEPENDENT
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.measured.log import JointLog
@@ -43,9 +38,7 @@ def model_of(xml, effects, joint="j"):
 @pytest.mark.parametrize("backend", ["native", "python"])
 def test_the_load_is_that_of_the_whole_arm(backend):
     step = 2e-4
-    model = model_of(
-        ARM.format(step=step, floor=""), [(load_dependent.EFFECT, (1e-6,), (0.3,))], "a"
-    )
+    model = model_of(ARM.format(step=step, floor=""), [(LOAD_DEPENDENT, (1e-6,), (0.3,))], "a")
     data, inverse = mujoco.MjData(model), np.zeros(model.nv)
     found, wanted, coupled = [], [], []
     data.xfrc_applied[2, 4] = TWIST

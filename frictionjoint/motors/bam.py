@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from frictionjoint.effects.load_dependent import COULOMB, FORMS, STRIBECK
+from frictionjoint.effects.friction_level import LOAD_COULOMB, LOAD_FORMS, LOAD_STRIBECK
 from frictionjoint.effects.motor import BACK_EMF
 from frictionjoint.errors import ParameterError
 from frictionjoint.export.sliding import levels
@@ -121,9 +121,9 @@ def from_bam(bam: BamParameters) -> tuple[JointFriction, tuple[str, ...]]:
     effects: list[SimulatedEffect] = []
     if falling > 0.0:
         shape = (_REACH, f["dtheta_stribeck"])
-        effects.append(SimulatedEffect(STRIBECK, shape, (load, falling)))
+        effects.append(SimulatedEffect(LOAD_STRIBECK, shape, (load, falling)))
     elif load > 0.0:
-        effects.append(SimulatedEffect(COULOMB, (_REACH,), (load,)))
+        effects.append(SimulatedEffect(LOAD_COULOMB, (_REACH,), (load,)))
     kt, R = bam.motor.get("kt"), bam.motor.get("R")
     said = [
         f"no displacement before sliding is known: the joint creeps below {_STANDSTILL:g} rad/s"
@@ -197,9 +197,9 @@ def _loads(joint: JointFriction) -> tuple[float, float, list[str]]:
     load = falling = 0.0
     said: list[str] = []
     for effect in joint.effects:
-        if effect.effect in FORMS:
+        if effect.effect in LOAD_FORMS:
             load += effect.coefficients[0]
-            if effect.effect == STRIBECK:
+            if effect.effect == LOAD_STRIBECK:
                 falling += effect.coefficients[1]
                 said.append(f"the load's fall with speed has its own {effect.shape[1]:.3g} rad/s")
         elif effect.effect == BACK_EMF:
