@@ -13,7 +13,7 @@ With --slow their top speeds are 1.5 to 5 Stribeck velocities; otherwise 8 to 10
 import argparse
 import json
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +53,7 @@ def answer(trial: Trial) -> dict[str, Any]:
         "variable": sorted({x for kind in outside for x in catalogue.UNKNOWN[kind].quantities}),
         "true_rms": {"fit": noise, "held_out": noise},
         "truth": trial.truth,
-        "spec": json.loads(trial.spec.to_json()),
+        "spec": asdict(trial.spec),
     }
 
 

@@ -52,7 +52,10 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     own_integrator = model.opt.integrator
     moved = Prescribed(model, data, recording.motion | recording.led)
     links = Free(model, data, m.links) if m.links else None
-    limits = _Limits(m)
+    # the torque of limits in a measured motion is unknown, but for the flanks of a gap
+    limited = model.jnt_limited, model.tendon_limited
+    every_limit, flanks = [x.copy() for x in limited], [np.zeros_like(x) for x in limited]
+    flanks[0][m.links] = every_limit[0][m.links]
     n = len(recording.time)
     needed, acting = np.empty((n, len(m.joints))), np.zeros((n, len(m.joints)))
     drives = [(i, recording.drive[name]) for name, i in m.controls.items() if i is not None]
@@ -65,14 +68,14 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
     heats: list[tuple[Callable[[float], None], Array]] = []
     with m.acting():
         model.opt.integrator = _EXPLICIT
-        limits.release()
+        _put(limited, flanks)
         for k, time in enumerate(recording.time.tolist()):
             data.time = time
             moved.put(k)
             for i, drive in drives:
                 control[i] = drive[k]
             if k % every == 0:
-                limits.restore()
+                _put(limited, every_limit)
                 mujoco.mj_forward(model, data)
                 if k == 0:
                     setters = temperature_setters(model, data)
@@ -84,7 +87,7 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
                 mujoco.mj_getState(model, data, states[-1], STATE)
                 qacc[:] = 0.0
                 moved.put(k)
-                limits.release()
+                _put(limited, flanks)
             else:
                 _heat(heats, k)
             if links:
@@ -99,18 +102,18 @@ def torque_along(m: EvaluatedModel, recording: Recording, every: int) -> Along:
                 mujoco.mj_inverse(model, data)
             needed[k] = inverse[dofs]
             if remembers:
-                limits.restore()
+                _put(limited, every_limit)
                 model.opt.integrator = own_integrator
                 now = data.qpos.copy(), data.qvel.copy(), qacc.copy()
                 mujoco.mj_step(model, data)
                 data.qpos[:], data.qvel[:], qacc[:] = now
                 model.opt.integrator = _EXPLICIT
-                limits.release()
+                _put(limited, flanks)
             if links:
                 links.advance()
     given = np.array([m.controls[name] is not None for name in m.joints]) * acting
     needed -= acting - given
-    limits.restore()
+    _put(limited, every_limit)
     model.opt.integrator = own_integrator
     torques, acted = (dict(zip(m.joints, x.T, strict=True)) for x in (needed, given))
     return Along(torques, acted, states, every)
@@ -122,24 +125,6 @@ def _heat(heats: Sequence[tuple[Callable[[float], None], Array]], k: int) -> Non
         put(float(celsius[k]))
 
 
-class _Limits:
-    """Limits of a model: their torque in a measured motion is unknown, but for the flanks of a gap
-    between motor and link."""
-
-    def __init__(self, m: EvaluatedModel) -> None:
-        self._of = m.model.jnt_limited, m.model.tendon_limited
-        self._all = [x.copy() for x in self._of]
-        self._flanks = [np.zeros_like(x) for x in self._of]
-        self._flanks[0][m.links] = self._all[0][m.links]
-
-    def release(self) -> None:
-        """Disable all but the flanks."""
-        self._set(self._flanks)
-
-    def restore(self) -> None:
-        """Enable them again."""
-        self._set(self._all)
-
-    def _set(self, limited: list[NDArray[Any]]) -> None:
-        for own, value in zip(self._of, limited, strict=True):
-            own[:] = value
+def _put(arrays: Sequence[NDArray[Any]], values: Sequence[NDArray[Any]]) -> None:
+    for own, value in zip(arrays, values, strict=True):
+        own[:] = value

@@ -179,14 +179,6 @@ def hide_supply(arm: Arm, gain: float) -> None:
     arm.hidden["torque-gain"] = gain
 
 
-def hide_offset(arm: Arm, joint: str, angle: float) -> None:
-    """The encoder says `angle` less than the joint is at."""
-    spec = reread(arm.true)
-    spec.joint(joint).ref = float(spec.joint(joint).ref) - angle
-    arm.true = written(spec)
-    arm.hidden["joint-offset"] = (joint, angle)
-
-
 def hide_coupling(arm: Arm, rotor: float, depth: float = 0.0, waves: float = 0.0) -> None:
     """A shaft that turns with the sum of the last two joints, with friction and inertia.
 

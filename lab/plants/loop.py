@@ -11,7 +11,6 @@ import math
 from pathlib import Path
 
 import mujoco
-import numpy as np
 from numba import njit
 
 from .friction import bristle, gms, stribeck
@@ -48,7 +47,6 @@ FIELDS = {
     "voltage": 0.0, "other_kp": 0.0, "other_kd": 0.0,
 }  # fmt: skip
 INDEX = {name: i for i, name in enumerate(FIELDS)}
-_I = INDEX
 (_H, _LAW, _FS, _FC, _VS, _DELTA, _SIGMA2, _ASYM, _S0, _S1, _ATTR, _KP, _KI, _KD, _LIMIT, _ACTUAL,
  _HOLD, _GRAV, _JLINK, _LOAD, _VISC2, _VISCP, _BIAS, _HEAT, _COOL, _TEMP0, _AMBIENT, _VISCT,
  _LEVELT, _T0, _LAGTAU, _DWELL, _DWELLTAU, _DWELLSLIP, _FACTOR, _GUST, _GUSTF, _GUSTP, _PLEVEL,
@@ -114,12 +112,11 @@ def worn(c, level, fric, v, temp, rested):  # type: ignore[no-untyped-def]
 
 
 @njit
-def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qacc, applied, passive,
-        ctrl, loss, drive, sample_at, look_at, out):  # type: ignore[no-untyped-def]  # fmt: skip
+def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qacc, applied, ctrl,
+        loss, drive, sample_at, look_at, out):  # type: ignore[no-untyped-def]  # fmt: skip
     """Step the plant through `target` (one value per control period) and fill `out`.
 
-    out columns: joint position, command, temperature, target, other joint's position, friction,
-    passive torque of the last joint (a shaft's: what the gear hands on to the link).
+    out columns: joint position, command, temperature, target, other joint's position.
     `sample_at` are step numbers of the samples, `look_at` those at which position is read.
     `drive` is 1 where ctrl[0] is a voltage handed to MuJoCo's dcmotor, else torque is applied.
     """
@@ -158,7 +155,6 @@ def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qac
             applied[-1] = c[_OKP] * (other_target[n // hold] - qpos[-1]) - c[_OKD] * qvel[-1]
         if taken < sample_at.size and sample_at[taken] == n:
             out[taken, 1], out[taken, 2], out[taken, 3] = command, temp, target[n // hold]
-            out[taken, 5], out[taken, 6] = fric, passive[-1]
             taken += 1
         while looked < look_at.size and look_at[looked] == n:
             out[looked, 0], out[looked, 4] = qpos[0], qpos[-1]
@@ -166,37 +162,3 @@ def run(model, data, c, k, alpha, z, slip, target, other_target, qpos, qvel, qac
         _mj_step(model, data)
         load = behind(c, load, qpos[0], qacc[0])
         temp, rested = worn(c, level, fric, v, temp, rested)
-
-
-@njit(cache=True)
-def replay(c, k, alpha, position, acceleration, out):  # type: ignore[no-untyped-def]
-    """The friction of `run` along a motion given at every step, from rest; no MuJoCo, no drive."""
-    z, slip, lagged = np.zeros(k.size), np.zeros(k.size, dtype=np.bool_), np.full(1, c[_FS])
-    load, temp, rested, last = 0.0, c[_TEMP0], 1.0, 0.0
-    for n in range(1, position.size):
-        dx = position[n] - position[n - 1]
-        v = dx / c[_H]
-        level, out[n] = sliding(
-            c, k, alpha, z, slip, position[n], dx, v, load, temp, rested, lagged, last
-        )
-        if v != 0.0:
-            last = v
-        load = behind(c, load, position[n], acceleration[n])
-        temp, rested = worn(c, level, out[n], v, temp, rested)
-
-
-@njit(cache=True)
-def swing(h, inertia, weights, angles, k, damping, half, q, a, out):  # type: ignore[no-untyped-def]
-    """Torque handed on to a link behind a gap of two halves and springs, its motor moved as given.
-
-    The link begins in the middle of the gap and hangs by `weights`, N m, at `angles` from it.
-    """
-    d, rate = 0.0, 0.0
-    for n in range(q.size):
-        pull = 0.0
-        for i in range(weights.size):
-            pull += weights[i] * math.sin(q[n] + d + angles[i])
-        beyond = d - min(max(d, -half), half)
-        out[n] = -k * beyond - damping * rate
-        rate += h * ((out[n] - pull) / inertia - a[n])
-        d += h * rate

@@ -34,15 +34,10 @@ Log = dict[str, NDArray]
 
 @dataclass(frozen=True)
 class Trial:
-    """Logs of one plant, the MJCF its user believes in, and the sealed truth.
-
-    For the judge: `inside` holds the torque of the joint's own friction (MuJoCo's is not in it) and
-    what a shaft hands on to its link, N m, at the samples of each log, shape (n, 2).
-    """
+    """Logs of one plant, the MJCF its user believes in, and the sealed truth."""
 
     spec: PlantSpec
     logs: list[Log]
-    inside: list[NDArray]
     mjcf: str
     truth: dict[str, Any]
 
@@ -50,8 +45,9 @@ class Trial:
 def simulate(spec: PlantSpec) -> Trial:
     """Run every motion of `spec` on its plant; same spec, same logs."""
     parts = assemble(spec)
-    logs, inside = zip(*(_record(parts, i) for i in range(len(spec.motions))), strict=True)
-    return Trial(spec, list(logs), list(inside), parts.believed(), truth(spec, parts))
+    dt = control_period(parts)
+    logs = [follow(parts, motion.target(m, dt), i) for i, m in enumerate(spec.motions)]
+    return Trial(spec, logs, parts.believed(), truth(spec))
 
 
 def assemble(spec: PlantSpec) -> Parts:
@@ -62,7 +58,7 @@ def assemble(spec: PlantSpec) -> Parts:
     return parts
 
 
-def truth(spec: PlantSpec, parts: Parts) -> dict[str, Any]:
+def truth(spec: PlantSpec) -> dict[str, Any]:
     """What a trial is judged by; never shown to the loop."""
     f = spec.friction
     return {
@@ -76,20 +72,9 @@ def truth(spec: PlantSpec, parts: Parts) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _record(parts: Parts, number: int) -> tuple[Log, NDArray]:
-    """Log `number` as the instrument samples it, and what went on inside."""
-    wish = parts.spec.motions[number]
-    return _followed(parts, motion.target(wish, control_period(parts)), number)
-
-
 def control_period(parts: Parts) -> float:
     """s between two values of a target."""
     return float(parts.constants()[loop.INDEX["hold"]]) * parts.spec.step
-
-
-def follow(parts: Parts, target: NDArray, number: int) -> Log:
-    """The log of a target of one's own, rad, one value per control period, in place of `number`."""
-    return _followed(parts, target, number)[0]
 
 
 def constants(parts: Parts, number: int) -> NDArray:
@@ -104,7 +89,8 @@ def constants(parts: Parts, number: int) -> NDArray:
     return c
 
 
-def _followed(parts: Parts, target: NDArray, number: int) -> tuple[Log, NDArray]:
+def follow(parts: Parts, target: NDArray, number: int) -> Log:
+    """Log `number` of a target, rad, one value per control period, as the instrument samples it."""
     spec, wish, c = parts.spec, parts.spec.motions[number], constants(parts, number)
     hold = int(c[loop.INDEX["hold"]])
     dt = hold * spec.step
@@ -113,7 +99,7 @@ def _followed(parts: Parts, target: NDArray, number: int) -> tuple[Log, NDArray]
     late = np.maximum(steps - round(parts.delay / spec.step), 0)
     other = _other_target(parts, wish, dt, target.size)
     out = _run(parts, c, target, other, steps, late)
-    return _columns(parts, out, steps * spec.step, rng), out[:, 5:]
+    return _columns(parts, out, steps * spec.step, rng)
 
 
 def _instants(spec: PlantSpec, total: int, rng: np.random.Generator) -> NDArray:
@@ -138,18 +124,18 @@ def _run(parts: Parts, c: NDArray, target: NDArray, other: NDArray, steps: NDArr
     data = mujoco.MjData(model)
     k, alpha = parts.elements()
     z, slip = np.zeros(k.size + 1), np.zeros(k.size, dtype=np.bool_)
-    out = np.zeros((steps.size, 7))
+    out = np.zeros((steps.size, 5))
     ctrl = data.ctrl if model.nu else np.zeros(1)
     ctrl_slot = ctrl[-1:] if parts.voltage else np.zeros(1)
     # the look column holds the encoder's joint: the motor's hinge, or with the encoder on the
     # link the sum of hinge and shaft, formed below
     loop.run(
         model._address, data._address, c, k, alpha, z, slip, target, other, data.qpos, data.qvel,
-        data.qacc, data.qfrc_applied, data.qfrc_passive, ctrl_slot, model.dof_frictionloss,
-        int(parts.voltage), steps, late, out,
+        data.qacc, data.qfrc_applied, ctrl_slot, model.dof_frictionloss, int(parts.voltage), steps,
+        late, out,
     )  # fmt: skip
     if not np.isfinite(out).all():
-        raise FloatingPointError(f"the plant diverged: {parts.spec.to_json()}")
+        raise FloatingPointError(f"the plant diverged: {parts.spec}")
     if parts.encoder_on_link and parts.shaft is not None:
         out[:, 0] += out[:, 4]
     return out

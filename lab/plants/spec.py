@@ -1,10 +1,8 @@
-"""What a trial plant is: frozen dataclasses with a JSON round trip."""
+"""What a trial plant is: frozen dataclasses."""
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import dataclass, field
 
 # m/s^2, as MuJoCo has it
 GRAVITY = 9.81
@@ -123,18 +121,3 @@ class PlantSpec:
     def arm(self) -> float:
         """m from the axis to where an extra mass is put: 0.1 where the joint has no arm."""
         return self.length or 0.1
-
-    def to_json(self) -> str:
-        """Text form; `from_json` gives back an equal spec."""
-        return json.dumps(asdict(self), indent=1)
-
-    @classmethod
-    def from_json(cls, text: str) -> PlantSpec:
-        """Read what `to_json` wrote."""
-        raw: dict[str, Any] = json.loads(text)
-        raw["friction"] = Friction(**raw["friction"])
-        raw["controller"] = Controller(**raw["controller"])
-        raw["motions"] = tuple(Motion(**m) for m in raw["motions"])
-        raw["instrument"] = Instrument(**raw["instrument"])
-        raw["effects"] = tuple(Effect(**e) for e in raw["effects"])
-        return cls(**raw)
