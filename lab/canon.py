@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from paper.slider import pull
+from paper import slider
 
 import frictionjoint as fj
 from frictionjoint.parameters import Friction
@@ -65,7 +65,7 @@ LAWS: dict[str, Friction] = {
 def drift(p: Friction, h: float) -> tuple[float, bool]:
     """um a cycle under 0.4 +- 0.3 N; under 0.1 um to pass."""
     t = h * np.arange(round(21.0 / h))
-    run = pull(p, 0.4 * np.minimum(1.0, t) + 0.3 * np.sin(2 * np.pi * t) * (t > 1.0), h)
+    run = slider.pull(p, 0.4 * np.minimum(1.0, t) + 0.3 * np.sin(2 * np.pi * t) * (t > 1.0), h)
     cycle = round(1.0 / h)
     per_cycle = 1e6 * float(run.position[-1] - run.position[-1 - 10 * cycle]) / 10
     return per_cycle, abs(per_cycle) < 0.1
@@ -73,14 +73,8 @@ def drift(p: Friction, h: float) -> tuple[float, bool]:
 
 def breakaway(p: Friction, h: float) -> tuple[float, bool]:
     """Breakaway at 20 N/s over that at 1 N/s; below 0.99 to pass: it falls with the rate."""
-    levels = []
-    for rate in (1.0, 20.0):
-        force = rate * h * np.arange(1, round(2.0 * FS / rate / h))
-        run = pull(p, force, h)
-        friction = force - np.diff(run.velocity, prepend=0.0) / h
-        fast = run.velocity > 5.0 * VS
-        levels.append(float(friction[: int(np.argmax(fast)) if fast.any() else None].max()))
-    return levels[1] / levels[0], levels[1] / levels[0] < 0.99
+    slow, quick = (slider.breakaway(p, rate, h, FS, 5.0 * VS) for rate in (1.0, 20.0))
+    return quick / slow, quick / slow < 0.99
 
 
 def lag(p: Friction, h: float) -> tuple[tuple[float, ...], bool]:
@@ -171,13 +165,7 @@ def _controlled(
     target: float = 0.0,
 ) -> tuple[Array, Array]:
     """Position and velocity under a force of (t, q, v, integral of the error), every ms."""
-    spec = mujoco.MjSpec.from_string(
-        f'<mujoco><option timestep="{h}" gravity="0 0 0"/><worldbody><body>'
-        '<joint name="slide" type="slide" axis="1 0 0"/>'
-        '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></worldbody></mujoco>'
-    )
-    fj.install(spec, {"slide": p})
-    model = spec.compile()
+    model = slider.slider(p, h)
     data = mujoco.MjData(model)
     per, n = round(1e-3 / h), round(seconds / 1e-3)
     q, v, integral = np.empty(n), np.empty(n), 0.0
@@ -243,7 +231,7 @@ def picture(path: Path) -> None:
         left.plot(1e6 * q, fj.friction_torque(p, t, q), label=name, lw=1)
         time = 1e-3 * np.arange(10_000)
         load = 0.4 * np.minimum(1.0, time) + 0.3 * np.sin(2 * np.pi * time) * (time > 1.0)
-        right.plot(time, 1e6 * pull(p, load, 1e-3).position, lw=1)
+        right.plot(time, 1e6 * slider.pull(p, load, 1e-3).position, lw=1)
     left.set(xlabel="position, um", ylabel="friction, N", title="Presliding with inner loops")
     right.set(xlabel="time, s", ylabel="position, um", title="0.4 +- 0.3 N", ylim=(-20, 400))
     left.legend(fontsize=7)

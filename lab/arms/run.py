@@ -84,7 +84,7 @@ def run(arm: Arm, seed: int, seconds: float = 15.0, rate: float = 250.0, counts:
 
 def motion(rng, t, n):
     """Sums of sines of all joints from rest, with two derivatives, each of shape (len(t), n)."""
-    q, v, a = (np.zeros((len(t), n)) for _ in range(3))
+    q = np.zeros((len(t), n))
     fade = 1.0 - np.exp(-((t / 0.5) ** 3))
     for i in range(n):
         for f in rng.uniform(0.05, 0.9, 6):
@@ -93,8 +93,7 @@ def motion(rng, t, n):
             q[:, i] += size * np.sin(w * t + phase)
         q[:, i] = fade * q[:, i] + rng.uniform(-0.4, 0.4)
     v = np.gradient(q, t, axis=0)
-    a = np.gradient(v, t, axis=0)
-    return q, v, a
+    return q, v, np.gradient(v, t, axis=0)
 
 
 def write_csv(columns: dict, path) -> None:

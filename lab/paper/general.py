@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 import frictionjoint as fj
 from frictionjoint.parameters import Friction
 
+from . import slider
 from .claim import OTHER, OURS, THIRD, Claim, panels
 from .presliding import LAW as JOINT
-from .slider import pull
 from .traced import Traced, trace
 from .whisker import LAW, Fc, Fs, Vs
 
@@ -30,12 +30,9 @@ SLIDER = replace(LAW, n=1, knots=((3e-5, 3.0),))
 SOFT = replace(LAW, n=1)
 
 
-def breakaway(p: Friction, rate: float, step: float = 1e-4) -> float:
+def breakaway(p: Friction, rate: float) -> float:
     """Largest friction, N, that meets a force of `rate` N/s before the mass slides at 10 Vs."""
-    force = rate * step * np.arange(1, round(2.0 * Fs / rate / step))
-    run = pull(p, force, step)
-    friction = force - np.diff(run.velocity, prepend=0.0) / step
-    return float(friction[: int(np.argmax(run.velocity > 10.0 * Vs))].max())
+    return slider.breakaway(p, rate, 1e-4, Fs, 10.0 * Vs)
 
 
 def lag_loop(p: Friction, w: float, samples: int = 4000) -> tuple[Array, Array]:

@@ -29,11 +29,16 @@ class Run:
     velocity: Array
 
 
-def pull(parameters: Friction, force: Array, step: float) -> Run:
-    """Run 1 kg from rest under a force, N, given for every step of `step` s."""
+def slider(parameters: Friction, step: float) -> mujoco.MjModel:
+    """1 kg with friction, stepped at `step` s."""
     spec = mujoco.MjSpec.from_string(_MJCF.format(h=step))
     fj.install(spec, {"slide": parameters})
-    model = spec.compile()
+    return spec.compile()
+
+
+def pull(parameters: Friction, force: Array, step: float) -> Run:
+    """Run 1 kg from rest under a force, N, given for every step of `step` s."""
+    model = slider(parameters, step)
     data = mujoco.MjData(model)
     full = mujoco.mjtState.mjSTATE_FULLPHYSICS
     start = np.zeros(mujoco.mj_stateSize(model, full))
@@ -48,3 +53,12 @@ def pull(parameters: Friction, force: Array, step: float) -> Run:
         )
     time, position, velocity = states[0, :, :3].T
     return Run(time, np.asarray(force), position, velocity)
+
+
+def breakaway(p: Friction, rate: float, step: float, Fs: float, fast: float) -> float:
+    """Largest friction, N, that meets a force of `rate` N/s up to 2 Fs before the mass is fast."""
+    force = rate * step * np.arange(1, round(2.0 * Fs / rate / step))
+    run = pull(p, force, step)
+    friction = force - np.diff(run.velocity, prepend=0.0) / step
+    slides = run.velocity > fast
+    return float(friction[: int(np.argmax(slides)) if slides.any() else None].max())
