@@ -20,8 +20,8 @@ from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.terms import EffectTerm
 from frictionjoint.report.entries import Evidence
 from frictionjoint.robot import compare
-from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause
+from frictionjoint.robot.columns import Candidate, columns_of
 from frictionjoint.robot.screen import Screened
 from frictionjoint.robot.stack import Columns, Stack
 

@@ -1,26 +1,81 @@
-"""Columns of a joint's law and of effects, its own or those of all joints; their Gram matrices.
+"""Candidates for the residual, columns of effects of one or all joints, and their Gram matrices.
 
 Effects common to all joints have one cause: a temperature, a supply. In each joint such an effect
 has the same coefficients relative to that joint's friction level and viscosity, so a change too
 small to detect in one joint can be detected in all together.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.diagnose.candidate import columns_of, signals_of
+from frictionjoint.diagnose.candidate import columns_of as term_columns
+from frictionjoint.diagnose.candidate import signals_of
 from frictionjoint.diagnose.library import effects, testable
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.identify.basis import lengths, orthonormal
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.candidate import effect_label
+from frictionjoint.robot.causes.cause import Cause
 from frictionjoint.robot.clock import Clock
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, JointGram, joint_gram
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A shared cause, or an effect of one joint or of all, that may explain the residual.
+
+    Attributes:
+        cause: None for an effect. effect: its name. common: whether equal in all joints.
+        at: its columns of the stack, from `first` on. joints: where it acts.
+        room: by how much each number may change in either direction, shape (k, 2); for an effect of
+            one joint, which that joint's search keeps within bounds, shape (0, 2).
+    """
+
+    at: Columns = field(repr=False)
+    joints: tuple[str, ...]
+    cause: Cause | None = None
+    effect: str = ""
+    common: EffectTerm | None = None
+    first: int = 0
+    room: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+
+    @property
+    def shared(self) -> bool:
+        """Whether the candidate is a cause of the robot, not of one joint."""
+        return self.cause is not None or self.common is not None
+
+    @property
+    def essential(self) -> int:
+        """Number of leading parameters without which the candidate does not exist."""
+        return self.cause.essential if self.cause else len(self.at)
+
+    @property
+    def among(self) -> float:
+        """Number of spectral lines of which it is the strongest."""
+        return self.cause.among if self.cause else 1.0
+
+    @property
+    def changed(self) -> str:
+        """Key that is common to all forms of one change."""
+        return self.cause.changed if self.cause else self.label
+
+    @property
+    def label(self) -> str:
+        return self.cause.label if self.cause else effect_label(self.effect, *self.joints)
+
+
+def effect_label(effect: str, *joints: str) -> str:
+    """Name of an effect and of the joints where it acts."""
+    return f"{effect} of {', '.join(joints)}"
+
+
+def columns_of(candidates: Iterable[Candidate]) -> Columns:
+    """Columns of the stack of several candidates, in order."""
+    return np.concatenate([*(c.at for c in candidates), []]).astype(np.int64)
 
 
 def own_effects(joint: FittedJoint, clock: Clock, own: Callable[[str], bool]) -> dict[str, Array]:
@@ -120,6 +175,6 @@ def common_columns(joint: FittedJoint, terms: Sequence[EffectTerm]) -> list[Arra
     level, viscous = joint.levels
     own = {"T": level, "T s/x": viscous, "1": 1.0}
     return [
-        columns_of(joint.prepared, signals, t) * [own[unit] for unit in t.effect.units]
+        term_columns(joint.prepared, signals, t) * [own[unit] for unit in t.effect.units]
         for t in terms
     ]

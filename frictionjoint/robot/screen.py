@@ -9,10 +9,9 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.candidate import Candidate, columns_of
 from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.clock import Clock
-from frictionjoint.robot.columns import common_columns, gram_of, own_effects
+from frictionjoint.robot.columns import Candidate, columns_of, common_columns, gram_of, own_effects
 from frictionjoint.robot.fit_causes import fitted_causes
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.stack import Columns, Stack

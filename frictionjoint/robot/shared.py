@@ -13,20 +13,18 @@ from frictionjoint.arrays import Array
 from frictionjoint.decisions import CLEARLY
 from frictionjoint.identify.early_checks import scale_is_determined
 from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.robot.alternatives import with_alternatives
-from frictionjoint.robot.candidate import columns_of
+from frictionjoint.robot.alternatives import simpler, with_alternatives
 from frictionjoint.robot.causes.catalogue import all_links, catalogue
 from frictionjoint.robot.causes.cause import Cause, Found
 from frictionjoint.robot.choose import Choice, choose, redundant
 from frictionjoint.robot.clock import Clock
-from frictionjoint.robot.columns import Common, common_terms
+from frictionjoint.robot.columns import Common, columns_of, common_terms
 from frictionjoint.robot.compare import nearer
 from frictionjoint.robot.corrections import Corrections
 from frictionjoint.robot.joint import FittedJoint
 from frictionjoint.robot.screen import Screened, screen
 from frictionjoint.robot.settle import Settled
 from frictionjoint.robot.shaft_waves import with_waves
-from frictionjoint.robot.simpler import simpler
 from frictionjoint.robot.workers import Each
 
 
