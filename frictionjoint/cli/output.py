@@ -36,9 +36,8 @@ def require_writable(
     existing = [path for path in written if path.exists()]
     _require_others(existing, made_from)
     if existing and not force:
-        raise FrictionJointError(
-            f"{existing[0]} exists already: give another --out, or --force to overwrite it"
-        )
+        fix = "give another --out, or --force to overwrite it"
+        raise FrictionJointError(f"{existing[0]} exists already: {fix}")
     place = out.absolute() if folder else out.absolute().parent
     while not place.exists():
         place = place.parent
@@ -66,6 +65,5 @@ def _require_others(existing: Iterable[Path], made_from: Iterable[Path]) -> None
         for part in sources(source):
             for path in existing:
                 if part.exists() and path.samefile(part):
-                    raise FrictionJointError(
-                        f"{path} is an input of this command: give another --out"
-                    )
+                    fix = "give another --out"
+                    raise FrictionJointError(f"{path} is an input of this command: {fix}")

@@ -7,6 +7,7 @@ robot learning and by MATLAB 7.3; their arrays are named by path, ``observations
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,17 @@ def whole(path: Path) -> Iterator[None]:
         raise
     except Exception as error:
         raise LogError(f"{path.name}: cannot be read, is it whole? ({one_line(error)})") from None
+
+
+def library(path: Path, kind: str, module: str, package: str | None = None) -> Any:
+    """An optional module that reads a kind of file; LogError with how to install what is missing,
+    a package of another name if one is given."""
+    try:
+        return import_module(module)
+    except ImportError:
+        name = module.partition(".")[0]
+        what = f"reading {kind} needs {name}: pip install {package or name}"
+        raise LogError(f"{path.name}: {what}") from None
 
 
 def array_of(name: str) -> str:
@@ -145,12 +157,8 @@ def hdf5_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
 
 
 def _opened_hdf5(path: Path) -> Any:
-    try:
-        import h5py
-    except ImportError:
-        raise LogError(f"{path.name}: reading HDF5 needs h5py: pip install h5py") from None
     with whole(path):
-        return h5py.File(path, "r")
+        return library(path, "HDF5", "h5py").File(path, "r")
 
 
 def _columns(path: Path, names: Iterable[str], arrays: Any) -> dict[str, Array]:
@@ -161,21 +169,20 @@ def _columns(path: Path, names: Iterable[str], arrays: Any) -> dict[str, Array]:
 
 
 def parquet_names(path: Path) -> list[str]:
-    with _arrow(path) as arrow:
-        return list(arrow.parquet.read_schema(path).names)
+    with whole(path):
+        return list(_arrow(path, "parquet").read_schema(path).names)
 
 
 def parquet_rows(path: Path, names: Iterable[str], filters: Any = None) -> Any:
     """Arrow table of some columns; `filters` as pyarrow has them."""
-    with _arrow(path) as arrow:
-        return arrow.parquet.read_table(path, columns=list(names), filters=filters)
+    with whole(path):
+        return _arrow(path, "parquet").read_table(path, columns=list(names), filters=filters)
 
 
 def parquet_column(path: Path, name: str, of_time: bool) -> Array:
     """A column of numbers, shape (n,), missing cells NaN; a column `of_time` may be of dates, which
     become seconds since the first."""
-    with _arrow(path) as arrow:
-        x, types = parquet_rows(path, [name])[name], arrow.types
+    x, types = parquet_rows(path, [name])[name], _arrow(path, "types")
     if of_time and types.is_timestamp(x.type):
         moments = x.to_numpy()
         return np.asarray((moments - moments[:1]) / np.timedelta64(1, "s"))
@@ -185,14 +192,5 @@ def parquet_column(path: Path, name: str, of_time: bool) -> Array:
     return numbers if numbers.flags.writeable else numbers.copy()
 
 
-@contextmanager
-def _arrow(path: Path) -> Iterator[Any]:
-    """pyarrow; LogError if it is missing or cannot read the file within the context."""
-    try:
-        import pyarrow.parquet
-    except ImportError:
-        raise LogError(
-            f"{path.name}: reading Parquet needs pyarrow: pip install 'frictionjoint[parquet]'"
-        ) from None
-    with whole(path):
-        yield pyarrow
+def _arrow(path: Path, part: str) -> Any:
+    return library(path, "Parquet", f"pyarrow.{part}", "'frictionjoint[parquet]'")

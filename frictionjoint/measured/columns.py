@@ -130,10 +130,8 @@ def choose(source: str, table: dict[str, str], joint: str | None, signals: Itera
     joint = one_joint(source, joints, joint) if joints else joint or "joint"
     prefix = f"{joint}." if joints else ""
     if "time_s" not in table:
-        raise LogError(
-            f"{source}: no column 'time_s', {_has(table)}; {_fix(prefix, table, joint)}; where "
-            "there are no times, give the sample rate, --column time_s=500Hz"
-        )
+        fix = f"{_fix(prefix, table, joint)}; where there are no times, give the sample rate"
+        raise LogError(f"{source}: no column 'time_s', {_has(table)}; {fix}, --column time_s=500Hz")
     found = {c: table[prefix + c] for c in KNOWN if prefix + c in table}
     # quantities without a joint name apply to all joints, except motion and drive
     for shared in ("temperature_c", "supply_v"):
@@ -171,23 +169,19 @@ def _check_kind(source: str, chosen: list[str], table: list[str], prefix: str, j
         hinge = hinge or (not slide and "velocity_rad_s" in chosen)
         slide = slide or (not hinge and "velocity_m_s" in chosen)
     if not hinge and not slide:
-        raise LogError(
-            f"{source}: no column '{prefix}position_rad' (slide: position_m), {_has(table)}; "
-            f"{_fix(prefix, table, joint)}"
-        )
+        wanted, fix = f"'{prefix}position_rad' (slide: position_m)", _fix(prefix, table, joint)
+        raise LogError(f"{source}: no column {wanted}, {_has(table)}; {fix}")
     foreign = [c for c in chosen if c in (SLIDE if hinge else HINGE)]
     if foreign:
         kinds = ("position_rad", "velocity_rad_s") if hinge else ("position_m", "velocity_m_s")
         kind = next(x for x in kinds if x in chosen)
-        raise LogError(
-            f"{source}: {prefix}{foreign[0]} and {prefix}{kind} exclude each other: remove one"
-        )
+        both = f"{prefix}{foreign[0]} and {prefix}{kind}"
+        raise LogError(f"{source}: {both} exclude each other: remove one")
     if not any(c in chosen for c in _DRIVES):
         drive = "torque_nm" if hinge else "force_n"
         wanted = " or ".join(f"'{prefix}{name}'" for name in (drive, "voltage_v", "current_a"))
-        raise LogError(
-            f"{source}: no column {wanted}, {_has(table)}; {_fix(prefix, table, joint, drive)}"
-        )
+        fix = _fix(prefix, table, joint, drive)
+        raise LogError(f"{source}: no column {wanted}, {_has(table)}; {fix}")
 
 
 def _likely(wanted: str, names: Sequence[str], joint: str) -> list[str]:

@@ -136,10 +136,9 @@ def _joints(path: Path, info: dict[str, Any], feature: str) -> list[str]:
         (names,) = names
     count = _width(info, feature)
     if not isinstance(names, list) or len(names) != count:
-        raise LogError(
-            f"{path.name}, {_INFO}, {feature}: {count} numbers and no name for each: name them in "
-            f"features, {feature}, names"
-        )
+        fix = f"name them in features, {feature}, names"
+        place = f"{path.name}, {_INFO}, {feature}"
+        raise LogError(f"{place}: {count} numbers and no name for each: {fix}")
     # a robot's own features are called shoulder_pan.pos; a point separates a joint and its column
     return [str(name).removesuffix(".pos").replace(".", " ") for name in names]
 
@@ -160,9 +159,8 @@ def _episode(
         episode = "0"
     if episode is None or not episode.isdecimal() or int(episode) >= int(total or 0):
         what = "several episodes" if episode is None else f"no episode {episode!r}"
-        raise LogError(
-            f"{path.name}: {what}, it has 0 to {int(total or 0) - 1}: name one as {path.name}#N"
-        )
+        has = f"it has 0 to {int(total or 0) - 1}"
+        raise LogError(f"{path.name}: {what}, {has}: name one as {path.name}#N")
     wanted = int(episode)
     columns, rule = ["timestamp", *widths], [("episode_index", "==", wanted)]
     tables = [parquet_rows(file, columns, rule) for file in _files(path, info, wanted)]
@@ -187,9 +185,8 @@ def _files(path: Path, info: dict[str, Any], episode: int) -> list[Path]:
         try:
             return [path / pattern.format(episode_chunk=chunk, episode_index=episode)]
         except (KeyError, IndexError, ValueError, AttributeError):
-            raise LogError(
-                f"{path.name}, {_INFO}: data_path {pattern!r} is not a valid pattern"
-            ) from None
+            what = f"data_path {pattern!r}"
+            raise LogError(f"{path.name}, {_INFO}: {what} is not a valid pattern") from None
     return sorted((path / "data").glob("*/*.parquet"))
 
 

@@ -156,15 +156,12 @@ def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
     `before`; LogError if the fraction is not above 0 and at most `MOST_HELD_OUT`, or leaves a part
     too short."""
     if not 0.0 < fraction <= MOST_HELD_OUT:
-        raise LogError(
-            f"held-out fraction is {fraction:g}: give more than 0 and at most {MOST_HELD_OUT:g}"
-        )
+        fix = f"give more than 0 and at most {MOST_HELD_OUT:g}"
+        raise LogError(f"held-out fraction is {fraction:g}: {fix}")
     cut = round(len(log.time) * (1.0 - fraction))
     if min(cut, len(log.time) - cut) < FEWEST_ROWS:
-        raise LogError(
-            f"{log.name}: holding out {fraction:g} leaves a part under {FEWEST_ROWS} samples: "
-            "record a longer log or hold out another part"
-        )
+        what = f"holding out {fraction:g} leaves a part under {FEWEST_ROWS} samples"
+        raise LogError(f"{log.name}: {what}: record a longer log or hold out another part")
     step = np.diff(log.time[: cut + 1])
     gaps = np.flatnonzero(step > LARGEST_GAP * float(np.median(step))) + 1
     since = int(gaps[-1]) if gaps.size else 0
@@ -185,10 +182,8 @@ def split_at_gaps(log: JointLog) -> list[JointLog]:
     where = f"{step[at[0] - 1]:.3g} s at {log.time[at[0]]:.6g} s"
     many = "" if at.size == 1 else f" and {at.size - 1} more"
     if not long:
-        raise LogError(
-            f"{log.name}: gaps ({where}{many}) leave no part of {FEWEST_ROWS} samples: record "
-            "a log without gaps"
-        )
+        what = f"gaps ({where}{many}) leave no part of {FEWEST_ROWS} samples"
+        raise LogError(f"{log.name}: {what}: record a log without gaps")
     left_out = sum(b - a for a, b in stretches) - sum(b - a for a, b in long)
     note = f"{log.name}: a gap of {where}{many}: split there."
     if left_out:

@@ -133,10 +133,8 @@ def _read_tx40(folder: Path, joint: str | None) -> JointLog:
     motor = _tx40_columns(folder / _TX40_POSITIONS)
     current = _tx40_columns(folder / _TX40_CURRENTS)
     if len(motor) != len(current):
-        raise LogError(
-            f"{folder.name}: {_TX40_POSITIONS} has {len(motor)} samples, "
-            f"{_TX40_CURRENTS} {len(current)}"
-        )
+        sizes = f"{_TX40_POSITIONS} has {len(motor)} samples, {_TX40_CURRENTS} {len(current)}"
+        raise LogError(f"{folder.name}: {sizes}")
     position, torque = np.linalg.solve(_K, motor.T), _K.T @ current.T
     own = _TX40.index(name)
     columns = {
@@ -154,8 +152,7 @@ def _tx40_columns(path: Path) -> Array:
     names = layout_of(path).names
     missing = [name for name in _TX40_COLUMNS if name not in names]
     if missing:
-        raise LogError(
-            f"{path.name}: no column {missing[0]!r}, it needs {', '.join(_TX40_COLUMNS)}"
-        )
+        needed = ", ".join(_TX40_COLUMNS)
+        raise LogError(f"{path.name}: no column {missing[0]!r}, it needs {needed}")
     columns = text_table.read_columns(path, _TX40_COLUMNS)
     return np.column_stack([columns[name] for name in _TX40_COLUMNS])

@@ -109,10 +109,9 @@ def _read(
     if given is not None:
         names = [name.strip() for name in given.split(",")]
     if len(names) != count or len(set(names)) != count or not all(names):
-        raise LogError(
-            f"{path.name}: it has {count} joints, but the names are {', '.join(names)}: give "
-            f"{count} different names, --column joints=NAME,NAME"
-        )
+        what = f"it has {count} joints, but the names are {', '.join(names)}"
+        fix = f"give {count} different names, --column joints=NAME,NAME"
+        raise LogError(f"{path.name}: {what}: {fix}")
     return time, of_joints, names, gains
 
 
@@ -136,10 +135,8 @@ def _of_world(path: Path, name: str, x: Array, world: str | None) -> Array:
     if x.ndim != 3:
         return x
     if world is None or not world.isdecimal() or int(world) >= x.shape[1]:
-        raise LogError(
-            f"{path.name}, {name}: {x.shape[1]} worlds: name one of 0 to {x.shape[1] - 1} with "
-            "--column world=N"
-        )
+        fix = f"name one of 0 to {x.shape[1] - 1} with --column world=N"
+        raise LogError(f"{path.name}, {name}: {x.shape[1]} worlds: {fix}")
     return np.asarray(x[:, int(world)])
 
 

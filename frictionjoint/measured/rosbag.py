@@ -20,7 +20,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
-from frictionjoint.measured.arrays import part_of, whole
+from frictionjoint.measured.arrays import library, part_of, whole
 from frictionjoint.measured.columns import HINGE, KNOWN, SLIDE, column_options, one_joint
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.table import ReadOptions, log_of
@@ -72,9 +72,8 @@ def read_rosbag(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     }
     if names[2] not in data and names[3] not in data:
         what = "no command names it" if topics[1] else "name the topic of its commands (command)"
-        raise LogError(
-            f"{path.name}, {joint}: effort is empty and {what}: record torques or commands"
-        )
+        fix = "record torques or commands"
+        raise LogError(f"{path.name}, {joint}: effort is empty and {what}: {fix}")
     for other, x in samples.items():
         if np.array_equal(x[:, 0], time):  # published in the same messages
             data[f"{other}.position_rad"] = x[:, _POSITION].copy()
@@ -90,9 +89,8 @@ def _read_fields(
     topic = mapping.pop("topic", None)
     alien = [name for name in mapping if name not in (*KNOWN, "time_s")]
     if alien:
-        raise LogError(
-            f"{path.name}: --column {alien[0]} cannot be used with named fields: omit it"
-        )
+        column = f"--column {alien[0]}"
+        raise LogError(f"{path.name}: {column} cannot be used with named fields: omit it")
     found: dict[str, list[Array]] = {name: [] for name in ("time_s", *mapping)}
     try:
         for message, recorded in _messages(path, topic, None):
@@ -194,9 +192,9 @@ def _with_target(
     at = np.searchsorted(given, found[:, 0] + 1e-9, side="right") - 1
     known = at >= 0
     if not known.any():
+        late = f"{given[0] - found[-1, 0]:.3g} s after the last position"
         raise LogError(
-            f"{path.name}, {joint}: the first command comes {given[0] - found[-1, 0]:.3g} s after "
-            "the last position: do both use one clock?"
+            f"{path.name}, {joint}: the first command comes {late}: do both use one clock?"
         )
     found[known, _TARGET] = np.array([x for _, x in commands])[at[known]]
     return found[known]
@@ -206,12 +204,9 @@ def _messages(
     path: Path, topic: str | None, kinds: tuple[str, ...] | None, other_than: str | None = None
 ) -> Iterator[tuple[Any, int]]:
     """Messages of one topic, but not `other_than`, with their recording times, ns."""
-    try:
-        from rosbags.highlevel import AnyReader
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError:
-        raise LogError(f"{path.name}: reading a bag needs rosbags: pip install rosbags") from None
-    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+    rosbags, types = (library(path, "a bag", f"rosbags.{x}") for x in ("highlevel", "typesys"))
+    types = types.get_typestore(types.Stores.ROS2_HUMBLE)
+    with rosbags.AnyReader([path], default_typestore=types) as reader:
         found = [
             c
             for c in reader.connections
@@ -227,9 +222,8 @@ def _messages(
                 "topic=TOPIC --column position_rad=FIELD"
             )
         if topic is None and len(topics) > 1:
-            raise LogError(
-                f"{path.name}: several topics, name one with --column topic=: {', '.join(topics)}"
-            )
+            fix = f"name one with --column topic=: {', '.join(topics)}"
+            raise LogError(f"{path.name}: several topics, {fix}")
         chosen = [c for c in found if c.topic == (topic or topics[0])]
         for connection, recorded, raw in reader.messages(connections=chosen):
             yield reader.deserialize(raw, connection.msgtype), recorded

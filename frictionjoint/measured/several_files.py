@@ -101,9 +101,8 @@ def _rows_by_name(files: Sequence[Path], mapping: Mapping[str, str]) -> dict[str
             called = f"{file.stem}[{int(name) - 1}]" if bare and len(names) > 1 else name
             called = file.stem if called.isdecimal() else called
             if called in places:
-                raise LogError(
-                    f"{file.name}: {called!r} is in two files: rename an array or a file"
-                )
+                fix = "rename an array or a file"
+                raise LogError(f"{file.name}: {called!r} is in two files: {fix}")
             places[called] = file, name
     return places
 
@@ -146,10 +145,8 @@ def _clock(file: Path, clock: str | None) -> str:
     times = _times(file, clock) or _times(file, None)
     if len(times) != 1 or len(names) < 2:
         first = names[0] if names[0].isdecimal() else "NAME"
-        raise LogError(
-            f"{file.name}: no column of times among {', '.join(names)}: name it with --column "
-            f"time_s={first}"
-        )
+        what = f"no column of times among {', '.join(names)}"
+        raise LogError(f"{file.name}: {what}: name it with --column time_s={first}")
     return times[0]
 
 

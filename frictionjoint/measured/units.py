@@ -84,17 +84,13 @@ def check_units(units: Mapping[str, str]) -> None:
         last = quantity.rpartition(".")[2]
         tables = [table for names, table in _COLUMNS.values() if names[0] == last]
         if not tables:
-            raise LogError(
-                f"--unit {quantity}={unit}: {last!r} is no quantity: give one of "
-                f"{', '.join(_QUANTITIES)}"
-            )
+            fix = f"give one of {', '.join(_QUANTITIES)}"
+            raise LogError(f"--unit {quantity}={unit}: {last!r} is no quantity: {fix}")
         known = [name for table in tables for name in table]
         if all(_factor(unit, table) is None for table in tables):
-            turns = ", counts:PER_TURN" if "rad" in known else ""
-            raise LogError(
-                f"--unit {quantity}={unit}: {unit!r} is not known: give one of "
-                f"{', '.join(known)}{turns}, or the factor to SI, a number"
-            )
+            turns = ["counts:PER_TURN"] if "rad" in known else []
+            fix = f"give one of {', '.join(known + turns)}, or the factor to SI, a number"
+            raise LogError(f"--unit {quantity}={unit}: {unit!r} is not known: {fix}")
 
 
 def converted(source: str, name: str, x: Array, units: Mapping[str, str]) -> Array:
@@ -105,9 +101,8 @@ def converted(source: str, name: str, x: Array, units: Mapping[str, str]) -> Arr
     table = _COLUMNS[name.rpartition(".")[2]][1]
     factor = _factor(unit, table)
     if factor is None:
-        raise LogError(
-            f"{source}, {name}: it cannot be in {unit!r}: give --unit one of {', '.join(table)}"
-        )
+        fix = f"give --unit one of {', '.join(table)}"
+        raise LogError(f"{source}, {name}: it cannot be in {unit!r}: {fix}")
     return factor * (x - _ZERO.get(_plain(unit), 0.0)) if table is _TEMPERATURE else factor * x
 
 

@@ -73,9 +73,8 @@ def check_lengths(source: str, columns: Mapping[str, Array]) -> None:
             size = " x ".join(str(k) for k in x.shape)
             raise LogError(f"{source}, {name}: {size} numbers, time_s has {n}: give one per row")
     if n < FEWEST_ROWS:
-        raise LogError(
-            f"{source}: {n} samples, at least {FEWEST_ROWS} are needed: record a longer log"
-        )
+        fix = "record a longer log"
+        raise LogError(f"{source}: {n} samples, at least {FEWEST_ROWS} are needed: {fix}")
 
 
 def check_finite(source: str, name: str, x: Array, row: RowOf) -> None:
@@ -84,10 +83,8 @@ def check_finite(source: str, name: str, x: Array, row: RowOf) -> None:
     if not finite.all():
         i = int(np.argmin(finite))
         what = "empty or NaN" if np.isnan(x[i]) else f"{x[i]}"
-        raise LogError(
-            f"{source}, row {row(i)}, {name}: {what}, repair that row or leave it out "
-            "(--drop-nan leaves out all such rows)"
-        )
+        fix = "repair that row or leave it out (--drop-nan leaves out all such rows)"
+        raise LogError(f"{source}, row {row(i)}, {name}: {what}, {fix}")
 
 
 def check_time(source: str, time: Array, row: RowOf) -> None:
@@ -105,10 +102,8 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
         units = ((name, factor * median) for name, factor in TIME.items())
         likely = next((x for x, step in units if 1e-4 <= step <= 0.1), "ms (us, ns)")
         kind = "slow for friction" if median > _STEP_S[1] else "fast for a joint"
-        raise LogError(
-            f"{source}, time_s: {median:g} s between samples is too {kind}: "
-            f"give seconds, or the unit of the log, --unit time={likely}"
-        )
+        fix = f"give seconds, or the unit of the log, --unit time={likely}"
+        raise LogError(f"{source}, time_s: {median:g} s between samples is too {kind}: {fix}")
 
 
 def check_moves(source: str, columns: Mapping[str, Array]) -> None:
@@ -116,25 +111,19 @@ def check_moves(source: str, columns: Mapping[str, Array]) -> None:
     for name, x in columns.items():
         unit = name.rpartition(".")[2]
         if unit in _SPEED_OF and x.min() == x.max():
-            raise NoMotionError(
-                f"{source}, {name}: constant at {x[0]:g}, the joint does not move: "
-                "check the column or record a motion"
-            )
+            what = "the joint does not move: check the column or record a motion"
+            raise NoMotionError(f"{source}, {name}: constant at {x[0]:g}, {what}")
         if unit in _MUST_CHANGE and x.min() == x.max():
-            raise LogError(
-                f"{source}, {name}: constant at {x[0]:g}, so probably not recorded: "
-                "leave it out or check the column"
-            )
+            what = "so probably not recorded: leave it out or check the column"
+            raise LogError(f"{source}, {name}: constant at {x[0]:g}, {what}")
 
 
 def require_motion(source: str, position: Array) -> None:
     """Raise NoMotionError if a position, shape (n,), has too few readings for a velocity."""
     n = len(np.unique(position))
     if n < _FEWEST_READINGS:
-        raise NoMotionError(
-            f"{source}: only {n} different positions, the joint stands still and its encoder "
-            "flickers: record a motion, or use a finer encoder"
-        )
+        what = f"only {n} different positions, the joint stands still and its encoder flickers"
+        raise NoMotionError(f"{source}: {what}: record a motion, or use a finer encoder")
 
 
 def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
@@ -187,11 +176,9 @@ def _check_fractions(source: str, name: str, x: Array) -> None:
         return
     n = len(np.unique(x))
     if n >= _FEWEST_READINGS:
-        unit = "radians" if name.endswith("rad") else "metres"
-        raise LogError(
-            f"{source}, {name}: all of its {n} readings are whole numbers: "
-            f"give {unit} (degrees, counts, millimetres?)"
-        )
+        fix = f"give {'radians' if name.endswith('rad') else 'metres'}"
+        what = f"all of its {n} readings are whole numbers"
+        raise LogError(f"{source}, {name}: {what}: {fix} (degrees, counts, millimetres?)")
 
 
 def _check_speed(source: str, name: str, speed_name: str, columns: Mapping[str, Array]) -> None:
@@ -200,10 +187,8 @@ def _check_speed(source: str, name: str, speed_name: str, columns: Mapping[str, 
     # Where the two barely correlate the joint barely moves, and units cannot be inferred.
     sure = cross * cross > 0.25 * power * slope
     if sure and not 0.5 < cross / power < 2.0:
-        raise LogError(
-            f"{source}: {name} changes {cross / power:.3g} times as fast as {speed_name} states: "
-            "check the units and signs of the two, and of time_s"
-        )
+        what = f"{name} changes {cross / power:.3g} times as fast as {speed_name} states"
+        raise LogError(f"{source}: {what}: check the units and signs of the two, and of time_s")
 
 
 def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, float]:
@@ -234,7 +219,5 @@ def _check_target(source: str, name: str, target_name: str, columns: Mapping[str
     mistaken = follows and long and abs(ratio / factor - 1.0) < 0.2
     # a joint does not run 20 times as far as its target
     if ratio > 20.0 or mistaken:
-        raise LogError(
-            f"{source}: {name} moves {ratio:.3g} times as far as {target_name}: "
-            "check the units of the two"
-        )
+        what = f"{name} moves {ratio:.3g} times as far as {target_name}"
+        raise LogError(f"{source}: {what}: check the units of the two")

@@ -71,15 +71,13 @@ def _cluster(scheduler: str) -> "Iterator[Each]":  # type: ignore[type-arg]
     try:
         distributed: Any = import_module("distributed")  # it has no types
     except ImportError as error:
-        raise FrictionJointError(
-            "--scheduler needs Dask: pip install 'frictionjoint[cluster]'"
-        ) from error
+        fix = "pip install 'frictionjoint[cluster]'"
+        raise FrictionJointError(f"--scheduler needs Dask: {fix}") from error
     try:
         client = distributed.Client(scheduler, timeout=_PATIENCE_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
-        raise FrictionJointError(
-            f"--scheduler {scheduler}: no Dask scheduler answers there, give tcp://HOST:PORT"
-        ) from error
+        what = "no Dask scheduler answers there, give tcp://HOST:PORT"
+        raise FrictionJointError(f"--scheduler {scheduler}: {what}") from error
 
     def each(function: Callable[[Any], Any], items: Iterable[Any]) -> Iterator[Any]:
         # equal tasks are not one task: none is taken from what an earlier run left there
