@@ -160,10 +160,7 @@ def _travel_leapt(time: Array, position: Array) -> float:
 
 
 def _check_magnitude(source: str, name: str, x: Array, row: RowOf) -> None:
-    unit = name.rpartition(".")[2]
-    if unit not in _LARGEST:
-        return
-    largest, fix = _LARGEST[unit]
+    largest, fix = _LARGEST.get(name.rpartition(".")[2], (np.inf, ""))
     i = max(int(np.argmax(x)), int(np.argmin(x)), key=lambda k: abs(x[k]))
     size = abs(float(x[i]))
     if size > largest:

@@ -119,11 +119,8 @@ def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dic
 
 def _sentence(name: str, between: Between, unit: str) -> str:
     share = f", {between.deviation / abs(between.mean):.0%} of it" if between.mean else ""
-    cause = (
-        f" Most of it depends on {between.cause} ({between.slope:.2g} per unit)."
-        if between.cause
-        else ""
-    )
+    cause = f" Most of it depends on {between.cause} ({between.slope:.2g} per unit)."
+    cause = cause if between.cause else ""
     return (
         f"Between recordings, {name} varies by {between.deviation:.2g}{unit}{share} (standard "
         f"deviation, corrected for the error of each; p {between.p_value:.2g}).{cause} Samples of "

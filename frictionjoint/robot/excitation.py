@@ -38,19 +38,20 @@ def next_trajectory(
             rng.normal(size=(2, _HARMONICS, len(joints))) / np.arange(1, _HARMONICS + 1)[:, None]
         )
         middle = rng.uniform(0.3, 0.7, len(joints))
-        scale = robot.scale_within(series, middle, time)
+        centre = robot.low + middle * (robot.high - robot.low)
+        scale = robot.scale_within(series, centre, time)
         if scale is None:
             continue
-        further = robot.gram(moving, known, *robot.motion(scale * series, middle, time))
+        further = robot.gram(moving, known, *robot.motion(scale * series, centre, time))
         after = Information(known.parameters, known.gram + further)
         worth = float(np.linalg.slogdet(after.gram[np.ix_(at, at)])[1])
         if best is None or worth > best[0]:
-            best = worth, scale * series, middle, errors(after, at) / before
+            best = worth, scale * series, centre, errors(after, at) / before
     if best is None:
         return None
-    _, series, middle, fallen = best
+    _, series, centre, fallen = best
     fine = np.arange(0.0, _SECONDS, 0.01)
-    q, _, _ = robot.motion(series, middle, fine)
+    q, _, _ = robot.motion(series, centre, fine)
     loosest = int(np.argmax(before))
     fall = float(np.median(fallen)), float(fallen[loosest])
     names, slides = tuple(j.name for j in joints), tuple(j.prepared.slide for j in joints)
@@ -85,30 +86,25 @@ class _Robot:
         self.dofs = [int(j.dofadr[0]) for j in named]
         self.low, self.high, self.speed, self.torque = np.array(rows).T
 
-    def centre(self, middle: Array) -> Array:
-        """Position about which each joint moves."""
-        return np.asarray(self.low + middle * (self.high - self.low))
-
-    def motion(self, series: Array, middle: Array, time: Array) -> tuple[Array, Array, Array]:
-        """Positions, velocities and accelerations, shape (n, joints) each."""
+    def motion(self, series: Array, centre: Array, time: Array) -> tuple[Array, Array, Array]:
+        """Positions, velocities and accelerations about a pose, shape (n, joints) each."""
         w = 2.0 * np.pi / _SECONDS * np.arange(1, _HARMONICS + 1)
         angle = np.outer(time, w)
         moved = np.sin(angle) @ series[0] + np.cos(angle) @ series[1]
         # the first and the last tenth of the time
         edge = np.clip(np.minimum(time, _SECONDS - time) / (0.1 * _SECONDS), 0.0, 1.0)
         fade = edge**3 * (10.0 - 15.0 * edge + 6.0 * edge**2)
-        q = self.centre(middle) + fade[:, None] * moved
+        q = centre + fade[:, None] * moved
         v = np.gradient(q, time, axis=0)
         return q, v, np.gradient(v, time, axis=0)
 
-    def scale_within(self, series: Array, middle: Array, time: Array) -> Array | None:
+    def scale_within(self, series: Array, centre: Array, time: Array) -> Array | None:
         """Scales of each joint's series that keep all limits; None if none are found."""
-        q, _, _ = self.motion(series, middle, time)
-        centre = self.centre(middle)
+        q, _, _ = self.motion(series, centre, time)
         moved = np.abs(q - centre).max(axis=0)
         scale: Array = np.minimum(centre - self.low, self.high - centre) / np.maximum(moved, 1e-12)
         for _ in range(12):
-            q, v, a = self.motion(scale * series, middle, time)
+            q, v, a = self.motion(scale * series, centre, time)
             slow = self.speed / np.maximum(np.abs(v).max(axis=0), 1e-12)
             if np.any(slow < 1.0):
                 scale = scale * np.minimum(1.0, slow)

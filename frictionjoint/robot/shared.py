@@ -54,7 +54,7 @@ def shared_causes(
     alongs = known[0].alongs
     velocity = {n: np.concatenate([a.motion(n)[1] for a in alongs]) for n in names}
     open_ones = list(catalogue(model, names, moving, velocity))
-    whole = list(all_links(model, names, moving))
+    whole = all_links(open_ones)
     alike = common_terms(known)
     refused = frozenset[Cause]()
     common: tuple[tuple[Common, Choice], ...] = ()

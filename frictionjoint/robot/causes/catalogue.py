@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
+from typing import get_args
 
 import mujoco
 import numpy as np
@@ -46,7 +47,12 @@ def catalogue(
     # the first bodies of the outermost links carry one
     hands = [bodies[0] for dofs, bodies in links.items() if not any(dofs < x for x in links)]
     found += [Payload(b, body_label(model, b), own_mass) for b in hands]
-    found += _bodies(model, joints, moving, ("mass", "mass, centre, gyration", "all ten"))
+    found += [
+        BodyInertia(b, body_label(model, b), form, _reach(model, b))
+        for b in links_of(model, joints, moving)
+        if possible(phi[b])
+        for form in get_args(Form)
+    ]
     if np.any(model.opt.gravity):
         found.append(BaseTilt())
     found += [JointOffset(name, is_slide(model, name)) for name in moving]
@@ -58,25 +64,10 @@ def catalogue(
     return tuple(found)
 
 
-def all_links(
-    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
-) -> tuple[Cause, ...]:
-    """Inertial parameters of all links as one cause, see `catalogue`; none for a single link."""
-    found = _bodies(model, joints, moving, ("all ten",))
-    return (Links(tuple(found)),) if len(found) > 1 else ()
-
-
-def _bodies(
-    model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str], forms: tuple[Form, ...]
-) -> list[BodyInertia]:
-    """Wrong parameters of each link in several forms, of links that have possible ones."""
-    phi, links = of_model(model), links_of(model, joints, moving)
-    return [
-        BodyInertia(b, body_label(model, b), form, _reach(model, b))
-        for b in links
-        if possible(phi[b])
-        for form in forms
-    ]
+def all_links(causes: Sequence[Cause]) -> list[Cause]:
+    """All parameters of the links in a catalogue as one cause; none for a single link."""
+    links = tuple(c for c in causes if isinstance(c, BodyInertia) and c.form == "all ten")
+    return [Links(links)] if len(links) > 1 else []
 
 
 def links_of(model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]) -> list[int]:
