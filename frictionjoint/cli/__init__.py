@@ -82,11 +82,8 @@ app.add_typer(data, name="data")
 
 
 def main() -> None:
-    """Run the command line.
-
-    Bad input gives one line and exit code 2, an interruption exit code 130 (terminated: 143). No
-    incomplete output remains in any of these cases.
-    """
+    """Run the command line. Bad input gives one line and exit code 2, an interruption exit code 130
+    (terminated: 143); no incomplete output remains in any of these cases."""
     signal.signal(signal.SIGTERM, _terminated)
     warnings.showwarning = _one_line
     try:

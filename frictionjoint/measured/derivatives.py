@@ -49,11 +49,9 @@ class MotionBand:
 def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
     """A measured position on a uniform grid, interpolated smoothly where the motion is curved.
 
-    Linear interpolation between samples cuts corners, by an amount that varies with clock jitter;
-    differentiated twice, that is noise. Modified Akima pieces are local, so a gap in the log causes
-    no oscillation. Where the curvature is below one encoder count, smooth pieces would follow the
-    counts; there linear ones are used.
-    """
+    Linear interpolation cuts corners, by an amount that varies with clock jitter: noise when
+    differentiated twice. Modified Akima pieces are local, so a gap in the log causes no
+    oscillation. Where they would follow the counts of an encoder, linear ones are used."""
     straight = np.interp(grid, time, position)
     pieces = Akima1DInterpolator(time, position, method="makima")
     smooth = np.asarray(pieces(np.clip(grid, time[0], time[-1])))
@@ -73,11 +71,8 @@ def power_density(x: Array, dt: float, samples: int, **options: str) -> tuple[Ar
 
 
 def motion_band(position: Array, dt: float) -> MotionBand:
-    """Frequency bands of a motion, from its spectrum.
-
-    In the second derivative, motion falls off towards high frequencies and position noise rises.
-    The band of the motion ends at twice the frequency of the minimum between the two.
-    """
+    """Frequency bands of a motion, from its spectrum: up to twice the frequency of the minimum
+    between motion that falls off and position noise that rises, both in the second derivative."""
     n = len(position)
     f, power = power_density(position, dt, min(n, max(1024, n // 4)), detrend="linear")
     f, power = f[1:], power[1:]
@@ -130,10 +125,8 @@ def followed(log: JointLog) -> Derivatives:
 
     The band minimises generalised cross-validation (Craven and Wahba 1979): the squared residual of
     the filter over the square of the removed fraction of the spectrum. Among bands within a
-    standard error of the best, the narrowest is used, because a velocity has relatively more noise
-    than a position. A slow motion measured in coarse steps has several minima in its spectrum, and
-    the one of `motion_band` may not separate motion from noise.
-    """
+    standard error of the best, the narrowest is used, for a velocity has relatively more noise. In
+    a slow motion measured in coarse steps `motion_band` may not separate motion from noise."""
     _, position, dt = on_a_grid(log)
     highest = HIGHEST / dt
     # a third of an octave apart where the log has 200 Hz
@@ -175,12 +168,10 @@ def speed_note(log: JointLog) -> tuple[str, ...]:
 def first_velocity(time: Array, position: Array, count: float) -> float:
     """Velocity at the first sample, rad/s (m/s): 0 at rest, otherwise from a parabola.
 
-    A filter of the whole motion has no data before the first sample. For a joint that starts from
-    rest it can return several rad/s in the wrong direction, and a simulation that starts with this
-    velocity is wrong for a while. The parabola spans as many samples as it fits to within half a
-    count, the encoder's step, rad (m), because rounding makes a velocity uncertain by about one
-    count per duration; without a count it spans the shortest interval.
-    """
+    A filter of the whole motion has no data before the first sample, and can return several rad/s
+    in the wrong direction for a joint that starts from rest. The parabola spans as many samples as
+    it fits to within half a count, the encoder's step, rad (m), because rounding makes a velocity
+    uncertain by about one count per duration; without a count it spans the shortest interval."""
     t, q = time - time[0], position - position[0]
     # the shortest interval, s
     least = max(3, int(np.searchsorted(t, 0.02, side="right")))

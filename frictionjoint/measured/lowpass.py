@@ -41,10 +41,8 @@ def steep(ratio: Array) -> Array:
 
 def gentle(ratio: Array) -> Array:
     """A raised cosine, zero above twice the corner: four samples a period represent it completely.
-
-    The unknown signal beyond the ends of a log has an influence of 0.4% of the kernel's peak at one
-    period of the corner from the end, and of 0.05% at two.
-    """
+    The unknown signal beyond a log's ends has an influence of 0.4% of the kernel's peak at one
+    period of the corner from the end, and of 0.05% at two."""
     return np.asarray(np.cos(0.25 * np.pi * np.minimum(ratio, 2.0)) ** 2)
 
 

@@ -19,12 +19,9 @@ _HELD = (*POSITIONS, *MEASURED_DRIVES)
 
 
 def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Times of a log whose clock restarts with each run, on one clock with gaps, and a note.
-
-    A recorder that appends its runs to one file restarts its clock near the first time. A smaller
-    step back in time means that rows were swapped. It is left as it is, and the checks of the log
-    report it.
-    """
+    """Times on one clock with gaps, and a note, where a recorder has restarted its clock near the
+    first time with each run. A smaller step back means that rows were swapped: it is left to the
+    checks of the log."""
     if len(time) < 2 or not np.isfinite(time).all():
         return time, ()
     back = np.flatnonzero(np.diff(time) < 0.0) + 1
@@ -43,11 +40,7 @@ def with_one_clock(time: Array) -> tuple[Array, tuple[str, ...]]:
 
 def with_position(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
     """The columns with a position, integrated from the velocity where a log has none, and a note.
-
-    Test benches often record speed and torque only. The trapezoidal rule needs no assumption except
-    that the velocity is sampled fast enough; the position begins at 0 and drifts with an offset of
-    the velocity.
-    """
+    It begins at 0 and drifts with an offset of the velocity, which must be sampled fast enough."""
     found, notes = dict(columns), []
     for speed, position in zip(VELOCITIES, POSITIONS, strict=True):
         if speed in found and not found.keys() & POSITIONS:

@@ -200,12 +200,9 @@ def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, 
 
 
 def _check_target(source: str, name: str, target_name: str, columns: Mapping[str, Array]) -> None:
-    """Compare the units of target and position, because a position follows its target.
-
-    A joint may stick and barely move, but does not run far beyond its target. If it moves less,
-    only the exact factor of degrees or millimetres counts as a wrong unit, and only for a target
-    with much motion.
-    """
+    """Compare the units of target and position: a joint may stick, but does not run far beyond its
+    target. If it moves less, only the exact factor of degrees or millimetres counts as a wrong
+    unit, and only for a target with much motion."""
     # the standard deviation of what is constant is its rounding, as of a step before the log
     if min(float(np.ptp(columns[c])) for c in (name, target_name)) == 0.0:
         return

@@ -118,17 +118,15 @@ def moderated(block: Array, independent: Array, dof: Array) -> tuple[Array, floa
     """Variances of k estimates of a parameter, and the degrees of freedom of one, of all if the
     factors between the two kinds of variances are equal.
 
-    A recording of a few seconds has a dozen blocks of time, so its variance has five to ten degrees
-    of freedom: weights by it are noise, and too often the recordings seem to differ. What
-    correlation in time adds to the variance of independent samples is similar in all recordings of
-    a joint. Empirical Bayes (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3, 3) draws this factor
-    towards its mean over the recordings, completely if it varies no more than its degrees of
-    freedom let it.
+    A recording of a few seconds has a dozen blocks of time: weights by its variance are noise, and
+    too often recordings seem to differ. What correlation in time adds to the variance of
+    independent samples is similar in all recordings of a joint. Empirical Bayes (Smyth 2004, Stat.
+    Appl. Genet. Mol. Biol. 3, 3) draws this factor towards its mean over the recordings, completely
+    if it varies no more than its degrees of freedom let it.
 
     Args:
         block: variances from blocks of time, with `dof` degrees of freedom, shape (k,).
-        independent: variances if samples were independent, shape (k,).
-    """
+        independent: variances if samples were independent, shape (k,)."""
     factor, half = block / independent, 0.5 * dof
     if len(block) < 2:
         return block, float(dof.sum())

@@ -193,11 +193,9 @@ class _Balance(NamedTuple):
         by: derivatives of the residual by the p parameters and the time offset, shape (n, p + 1).
         residual: torque that the model requires less the torque that acted, shape (n,).
         sticks: from 0 in sliding to 1 where the joint sticks, shape (n,). alike: number of samples
-            of the rest that a sample belongs to, whose errors are one and the same; 1 in sliding.
-        level: largest torque of the law, N m (N).
-        block: index of each sample's block. blocks: number of blocks.
-        acted, velocity: at each sample, shape (n,).
-    """
+            of the rest that a sample belongs to, which share one error; 1 in sliding.
+        level: largest torque of the law, N m (N). block: of each sample. blocks: their number.
+        acted, velocity: at each sample, shape (n,)."""
 
     by: Array
     residual: Array

@@ -31,11 +31,8 @@ _MEASURED = {
 def with_recordings(
     report: "Report", logs: Sequence[JointLog], fixed: Mapping[str, Pose] | None = None
 ) -> "Report":
-    """Add the differences between three or more recordings to a report and to its samples.
-
-    Recordings of target and position get the drive of the controller that the report found. Where
-    nothing can be compared a note says why.
-    """
+    """Add the differences between three or more recordings to a report and its samples, or a note
+    why not; those of target and position get the drive of the controller that was found."""
     if len(logs) < FEWEST:
         return report
     try:

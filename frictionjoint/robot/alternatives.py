@@ -79,12 +79,9 @@ def _as_good(seen: Screened, own: Cause, wanted: frozenset[str], left: Array) ->
 
 
 def disagreements(shared: Settled) -> tuple[str, ...]:
-    """A note for each cause of which single logs show different parts.
-
-    The part that a log shows is found to first order, along the change of the cause's numbers,
-    with the laws and the other causes common to all logs. Logs disagree if parts of their own
-    remove as much of the residual as an effect that is named.
-    """
+    """A note for each cause of which single logs show different parts, to first order, with the
+    laws and the other causes common to all logs. Logs disagree if parts of their own remove as
+    much of the residual as an effect that is named."""
     log, names = shared.clock.log, [name for name, _ in shared.clock.number]
     if len(names) < 2:
         return ()
@@ -169,11 +166,8 @@ def _opened(
     causes: Sequence[Cause],
     terms: Sequence[EffectTerm],
 ) -> Screened:
-    """New causes and effects as candidates; effects that are kept are accepted.
-
-    Effects of single joints keep the shapes they have with the removed causes, because a fit
-    without these causes would bias the shapes.
-    """
+    """New causes and effects as candidates, kept effects as accepted ones; those of single joints
+    keep the shapes they have with the removed causes, which a fit without these would bias."""
     here, own = rest.joints[0].common_effects, rest.single_effects.__contains__
     seen = screen(rest.joints, rest.clock, rest.found, causes, own, (*here, *terms), shaped)
     stands = [c for c in seen.candidates if not c.shared or c.common in here]
@@ -199,11 +193,8 @@ def _simplest(tried: Sequence[tuple[int, float, tuple[Candidate, ...]]]) -> tupl
 
 
 def _sets(seen: Screened, size: int) -> list[tuple[Candidate, ...]]:
-    """Single causes and pairs with fewer numbers.
-
-    A cause can be past its bounds alone, because it compensates for another cause, and within its
-    bounds together with that cause.
-    """
+    """Single causes and pairs with fewer numbers; a cause that compensates for another can be past
+    its bounds alone, and within its bounds together with that cause."""
     known = seen.columns(())
     inside = [within_bounds(seen.stack, c, known) for c in seen.candidates]
     pool = [one or c for one, c in zip(inside, seen.candidates, strict=True)]

@@ -35,11 +35,9 @@ class Choice:
     """A selected candidate with its evidence.
 
     Attributes:
-        evidence: its gain is the fraction of a joint's held-out sum of squares that it removes, for
-            the joint with the largest; its p-value is over the whole family; its margin is over all
-            joints.
-        numbers: of the cause, to first order, for its free columns, next to all others.
-    """
+        evidence: its gain is the fraction of held-out squares that it removes of the joint with
+            the largest; its p-value is over the whole family, its margin over all joints.
+        numbers: of the cause, to first order, for its free columns, next to all others."""
 
     candidate: Candidate
     evidence: Evidence
@@ -97,11 +95,9 @@ def choose(
 
 
 def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
-    """Remove effects of single joints that later candidates replace; fit all numbers together.
-
-    A cause of several joints may seem to harm a joint whose own effect is not found yet; then it is
-    selected after an effect that imitates it in another joint.
-    """
+    """Remove effects of single joints that later candidates replace; fit all numbers together. A
+    cause that seems to harm a joint whose own effect is not found yet is selected only after an
+    effect that imitates it in another joint."""
     kept = list(choices)
 
     def left(some: Sequence[Choice]) -> Array:
@@ -122,15 +118,13 @@ def _together(screened: Screened, choices: Sequence[Choice]) -> list[Choice]:
 
 
 def redundant(screened: Screened, without: Sequence[Screened]) -> list[tuple[int, Array]]:
-    """Causes whose removal does not worsen the prediction, the least useful first.
+    """Indices of causes whose removal does not worsen the prediction, the least useful first, and
+    the ratios of the sums of squares without and with each, by joint, (J,).
 
     Args:
-        screened: model; its effects common to all joints are kept together with the causes. Effects
-            of single joints are not kept, because they would compensate for the harm of a cause.
-        without: the model without each cause.
-    Returns:
-        index of each, and the ratio of the sums of squares without and with it, by joint, (J,).
-    """
+        screened: model; effects common to all joints are kept with the causes, those of single
+            joints are not, because they would compensate for the harm of a cause.
+        without: the model without each cause."""
     now, found = _left_by_robot(screened), []
     for i, rest in enumerate(without):
         left = _left_by_robot(rest)
@@ -208,11 +202,8 @@ def _next(
 
 
 def _excluded(candidate: Candidate, accepted: Candidate) -> bool:
-    """Whether a candidate is a form or shape of a selected one, and no richer one of it.
-
-    Only one effect common to all joints is selected: its shape is that of a grid, and the rest
-    would be mistaken for another effect.
-    """
+    """Whether a candidate is a form or shape of a selected one, and no richer one of it. Of effects
+    common to all joints one is selected: what its shape leaves would be taken for another."""
     if candidate.common and accepted.common:
         return True
     richer = accepted.cause is not None and len(candidate.at) > len(accepted.at)

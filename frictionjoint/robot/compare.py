@@ -30,10 +30,8 @@ def gain_of(before: Array, after: Array) -> float:
 
 
 def joint_gain(before: Array, after: Array) -> float:
-    """Gain over all joints: one minus the product of the ratios of their sums of squares.
-
-    The laws of several joints err independently, and one cause seldom resembles all their errors.
-    """
+    """Gain over all joints: one minus the product of the ratios of their sums of squares. Laws err
+    independently, and one cause seldom resembles all their errors."""
     return 1.0 - float(np.prod(left_of(before, after)))
 
 
@@ -43,10 +41,8 @@ def left_of(before: Array, after: Array) -> Array:
 
 
 def as_good(stack: Stack, after: Array, before: Array) -> bool:
-    """Whether a model is not clearly worse than another: for no joint by a noticeable part.
-
-    Below the laws' own errors, one explanation is no better than another.
-    """
+    """Whether a model is not clearly worse than another, for no joint by a noticeable part; below
+    the laws' own errors, one explanation is no better than another."""
     if _moved(stack, after, before) < LEAST_MOVED:
         return True
     least = float(after.sum()) <= (1.0 + CLEARLY) * float(before.sum())

@@ -23,12 +23,8 @@ from frictionjoint.robot.regressor import Regressor
 
 @dataclass(frozen=True)
 class Along:
-    """Torque of one joint along one log, and its derivatives on the kept samples.
-
-    Attributes:
-        body: the model around the joint. original: the log as prepared with that model.
-        state: the present corrections.
-    """
+    """Torque of one joint along one log, and its derivatives on the kept samples: with the model
+    `body` around the joint, the log `original` as prepared with it, and present corrections."""
 
     body: RigidBody
     original: Segment

@@ -40,10 +40,8 @@ class Shaft:
 
 
 def concave_friction(velocity: Array, top: float) -> Array:
-    """Concave friction with slope 1 at rest, constant above the top speed, (n,).
-
-    v - v|v| / top + v^3 / (3 top^2) up to the top speed; it never falls.
-    """
+    """Concave friction, shape (n,): v - v|v| / top + v^3 / (3 top^2) up to the top speed, constant
+    above; it never falls."""
     part = np.abs(velocity) / top
     return np.asarray(velocity * (1.0 - part + part**2 / 3.0))
 

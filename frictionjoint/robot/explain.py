@@ -61,11 +61,9 @@ class Corrected:
     """Input of a process that analyses one joint: its task, and the shared causes.
 
     Attributes:
-        model: the user's with all shared causes.
-        original, corrections: of the user's model and of the corrected one. without: those with all
-            but one of the causes that act on this joint, by index.
-        shape: of the law fitted with the user's model.
-    """
+        model: the user's with all shared causes. original, corrections: of the user's model and
+            of that one. without: those with all but one of the causes of this joint, by index.
+        shape: of the law fitted with the user's model."""
 
     def __init__(self, task: Task, first: FittedJoint, shared: Settled, model: Model) -> None:
         found = shared.found
@@ -147,10 +145,8 @@ class Explained:
 
 
 def explain_joint(joint: Corrected) -> Explained | str:
-    """Analyse one joint with the corrected model; or one line that says why it has no result.
-
-    A numerical failure on one joint's logs does not stop the other joints.
-    """
+    """Analyse one joint with the corrected model, or say in one line why it has no result: a
+    numerical failure on one joint's logs does not stop the other joints."""
     try:
         return Explained(joint)
     except FrictionJointError as error:
@@ -219,12 +215,9 @@ def _replay_increase(before: Runs | None, after: Runs | None) -> Interval:
 
 
 def error_increase(before: Array, after: Array, log_index: Index) -> Interval:
-    """95% interval of the difference of two rms errors on the same samples of logs, shape (n,).
-
-    Residuals on the same motion are strongly correlated, so this interval is far narrower than that
-    of either error. Blocks of time span several correlation times of the difference of the squared
-    errors, if the log is long enough.
-    """
+    """95% interval of the difference of two rms errors on the same samples of logs, shape (n,): far
+    narrower than that of either error, for residuals on the same motion are correlated. Blocks of
+    time span several correlation times of the difference of squared errors, if the log allows."""
     difference = after**2 - before**2
     parts: list[Array] = []
     for log in np.unique(log_index):

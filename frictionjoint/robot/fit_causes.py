@@ -101,11 +101,7 @@ class _Problem:
 
 def _starts(found: Found, whole: _Problem) -> list[Array]:
     """Starting numbers: the given ones or those without a cause, whichever have the smaller
-    residual.
-
-    At zero the columns of a homogeneous cause are not informative. Then the best point along its
-    rays is tried as well.
-    """
+    residual; and the best point along the rays of a homogeneous cause, uninformative at zero."""
     given = np.concatenate(found.numbers)
     nothing = np.concatenate(
         [n if c.homogeneous else c.start for c, n in zip(found.causes, found.numbers, strict=True)]
@@ -205,10 +201,8 @@ def _squares(
     places: Sequence[_Place],
     own: Callable[[str], bool],
 ) -> tuple[Array, Array]:
-    """Factor F and target y: |F dz - y|^2 is the residual of all joints, up to a constant.
-
-    Laws, effects of single joints and common effects are projected out.
-    """
+    """Factor F and target y: |F dz - y|^2 is the residual of all joints, up to a constant, with the
+    laws, effects of single joints and common effects projected out."""
     h = 1e-3  # of each coordinate, over 1 in SI units
     pairs = [(_moved(here, p, -h), _moved(here, p, h), 2.0 * h) for p in places]
     n, grams = len(places), []

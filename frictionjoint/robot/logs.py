@@ -58,10 +58,8 @@ class RobotLogs:
         read: Callable[[str | Path, str], JointLog] = read_log,
         columns: dict[str, str] | None = None,
     ) -> "RobotLogs":
-        """Every joint's logs; long logs are decimated.
-
-        If joints were recorded one after the other, the others stand still meanwhile. Such logs say
-        nothing of their friction in motion and are left out for them.
+        """Every joint's logs; long logs are decimated. Logs in which a joint stands still, because
+        the joints were recorded one after the other, are left out for it.
 
         Args:
             logs: to fit. kept: to hold out. fraction: of each log to fit, to hold out at its end.
@@ -70,8 +68,7 @@ class RobotLogs:
             read: reads one log of a joint. columns: see `read_log`.
         Raises:
             LogError: no log to fit, a named joint cannot be used or is named twice, or no joint can
-                be used; see `joints_to_explain`.
-        """
+                be used; see `joints_to_explain`."""
         if not logs:
             raise LogError("no log to fit: give at least one that is not held out")
         found = cls({}, {}, {}, alone=isinstance(joint, str), ends=fraction is not None)

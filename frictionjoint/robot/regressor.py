@@ -69,11 +69,9 @@ class _Motion(NamedTuple):
 
 
 def _component(dof: Dof, frame: Frame, motion: _Motion) -> Array:
-    """Force or moment along an axis per unit of a body's ten parameters, shape (10, n).
-
-    The force is m a + alpha x h + w x (w x h), the moment about the origin h x a + I alpha + w x I
-    w, with the first moments h and the inertia I.
-    """
+    """Force or moment along an axis per unit of a body's ten parameters, shape (10, n): the force
+    is m a + alpha x h + w x (w x h), the moment about the origin h x a + I alpha + w x I w, with
+    the first moments h and the inertia I."""
     a, w, alpha = motion
     z = frame.within(dof.axis)
     u = z if dof.point is None else cross(z, frame.within(frame.p - dof.point))

@@ -111,10 +111,8 @@ def _of_all(
 
 
 def _start(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cause) -> Array:
-    """Numbers at which a cause's columns are computed: no cause, or a better start.
-
-    Columns of a homogeneous cause are exact along a ray from zero.
-    """
+    """Numbers at which a cause's columns are computed: no cause, or a better start of a homogeneous
+    one, whose columns are exact along a ray from zero."""
     if not cause.homogeneous:
         return cause.start
     start = found.with_cause(cause, cause.start)

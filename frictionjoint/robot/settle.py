@@ -70,9 +70,7 @@ class Settled:
         return self.corrected(fitted_causes(self.joints, self.clock, start, own))
 
     def screened(self) -> Screened:
-        """Columns of the causes, of the effects of single joints, and of the common effects that
-        were fitted with the laws.
-        """
+        """Columns of the causes, of effects of single joints, and of common effects in the laws."""
         common, own = self.joints[0].common_effects, self.single_effects.__contains__
         return screen(self.joints, self.clock, self.found, (), own, common)
 

@@ -192,11 +192,8 @@ def _without_redundant(now: Settled) -> Settled:
 
 
 def _fewer(now: Settled) -> Settled | None:
-    """The state without the least needed cause; None if all are needed.
-
-    After refitting the other causes, the residual must be as small as predicted to first order,
-    and bodies no farther from the model's nominal values.
-    """
+    """The state without the least needed cause, or None: after refitting the others, the residual
+    must be as small as predicted to first order, and bodies no farther from nominal values."""
     found = now.found
     others = [now.corrected(found.without(i)).screened() for i in range(len(found.causes))]
     for i, promised in redundant(now.screened(), others):

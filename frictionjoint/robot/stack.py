@@ -166,13 +166,9 @@ class Stack:
         return grams[:, :-1, :-1], grams[:, :-1, -1]
 
     def surprise(self, at: Columns, known: Columns, room: Array, signs: Array) -> Array:
-        """Score of columns together with others, observed and by chance, see `diagnose.chance`.
-
-        Args:
-            room: by how much each coefficient may change in either direction, shape (k, 2); no
-                limit if empty.
-            signs: of each block, shape (flips, B).
-        """
+        """Score of columns together with others, observed and by chance, see `diagnose.chance`;
+        `room`: possible change of each coefficient in either direction, shape (k, 2), no limit if
+        empty; `signs`: of each block, shape (flips, B)."""
         A, b = self.products(at, known)
         total = A.sum(axis=0) + np.diag(self.precision[at])
         scale = roots(total)

@@ -23,14 +23,11 @@ _ENDS = {signal.SIGINT, signal.SIGTERM}
 
 @contextmanager
 def workers(count: int, scheduler: str | None) -> "Iterator[Each]":  # type: ignore[type-arg]
-    """A `map` over processes (a single one runs in this process) or, by the address of its
-    scheduler, over the workers of a Dask cluster.
-
-    An exception or an interruption ends all processes; on a cluster it cancels the tasks.
+    """A `map` over processes (a single one runs in this process) or, by the scheduler's address,
+    over the workers of a Dask cluster; an exception or interruption ends all that was begun.
 
     Raises:
-        FrictionJointError: no scheduler answers there, or `distributed` is not installed.
-    """
+        FrictionJointError: no scheduler answers there, or `distributed` is not installed."""
     if scheduler is not None:
         with _cluster(scheduler) as each:
             yield each
@@ -102,9 +99,7 @@ def processes(jobs: int) -> int:
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
     """Delay signals that end a program: a half-started process would complain about its parent.
-
-    Processes started meanwhile ignore them until `_begin`.
-    """
+    Processes started meanwhile ignore them until `_begin`."""
     held: list[int] = []
     handlers, mask = {}, None
     if threading.current_thread() is threading.main_thread():

@@ -79,10 +79,8 @@ def links_of(model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
 def rigid_links(
     model: mujoco.MjModel, joints: Sequence[str], moving: Sequence[str]
 ) -> dict[frozenset[int], list[int]]:
-    """Bodies that move as one in these logs, by the degrees of freedom that move them.
-
-    Only links that a driven joint moves, starting next to the base.
-    """
+    """Bodies that move as one in these logs, by the degrees of freedom that move them; only of
+    links that a driven joint moves, starting next to the base."""
     tree = Tree(model)
     moved = {int(model.joint(name).dofadr[0]) for name in (*joints, *moving)}
     driven = {int(model.joint(name).dofadr[0]) for name in joints}
