@@ -263,10 +263,10 @@ def log_paths(logs: list[Path], held_out: list[str], join: bool = False) -> LogP
             joined[loose[0]] = loose
         return folders + loose[:1]
 
-    fractions = [float(text) for text in held_out if _is_number(text)]
+    fractions = [x for x in map(_number, held_out) if x is not None]
     if len(fractions) > 1:
         raise LogError("--held-out: give one fraction at most")
-    kept = found([Path(text) for text in held_out if not _is_number(text)], [])
+    kept = found([Path(text) for text in held_out if _number(text) is None], [])
     fitted = found(logs, kept)
     held = {path.resolve() for path in kept}
     if same := [path for path in fitted if path.resolve() in held]:
@@ -297,9 +297,8 @@ def named(option: str, text: str, fix: str) -> tuple[str, str]:
     return name, value
 
 
-def _is_number(text: str) -> bool:
+def _number(text: str) -> float | None:
     try:
-        float(text)
+        return float(text)
     except ValueError:
-        return False
-    return True
+        return None

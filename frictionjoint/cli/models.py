@@ -169,9 +169,8 @@ def _all_joints(
     names = [joint.name for joint in joints if joint.name]
     for name in exclude:
         if name not in names:
-            raise FrictionJointError(
-                f"--exclude {name}: no hinge or slide joint has this name, there are {few(names)}"
-            )
+            what = f"no hinge or slide joint has this name, there are {few(names)}"
+            raise FrictionJointError(f"--exclude {name}: {what}")
     deflections = {name + DEFLECTION for name in carrying(spec)}
     friction = {name: found for name in names if name not in exclude and name not in deflections}
     if not friction:

@@ -45,24 +45,19 @@ def list_command(
     from frictionjoint.errors import ParameterError
     from frictionjoint.motors.library import TEXTS, list_motors
 
-    found = list_motors()
-    if robot is not None:
-        wanted = robot.lower()
-        named = [x for x in found if wanted in x.name.lower() or wanted in x.title.lower()]
-        if not named:
-            titles = sorted({x.title.partition(",")[0] for x in found})
-            raise ParameterError(
-                f"--robot {robot}: no motor of this name, there are {', '.join(titles)}"
-            )
-        found = named
+    wanted = (robot or "").lower()
+    found = [x for x in list_motors() if wanted in x.name.lower() or wanted in x.title.lower()]
+    if not found:
+        titles = ", ".join(sorted({x.title.partition(",")[0] for x in list_motors()}))
+        raise ParameterError(f"--robot {robot}: no motor of this name, there are {titles}")
     if as_json:
+        keys = *TEXTS, "unit", "fit", "stderr", "found", "units"
         rows = [
             {
                 "name": x.name,
                 "law": x.friction.parameters.law,
                 "effects": [e.effect.name for e in x.friction.effects],
-                **{key: getattr(x, key) for key in TEXTS},
-                **{key: getattr(x, key) for key in ("unit", "fit", "stderr", "found", "units")},
+                **{key: getattr(x, key) for key in keys},
             }
             for x in found
         ]

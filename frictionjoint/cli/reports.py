@@ -128,12 +128,8 @@ def drift(
         rows = compared(known, new)
     changed = [x.number for x in rows if x.state == "changed"]
     if as_json:
-        content = {
-            "joint": known.joint,
-            "drift": bool(changed),
-            "numbers": [asdict(x) for x in rows],
-        }
-        print_json(content)
+        numbers = [asdict(x) for x in rows]
+        print_json({"joint": known.joint, "drift": bool(changed), "numbers": numbers})
     else:
         cells = (
             (
@@ -179,10 +175,8 @@ def sample(
     file, _, own = read_joint(report, joint)
     require_writable(out, [file], force)
     if "posterior" not in own:
-        raise ParameterError(
-            f"{file}: it contains no parameter uncertainty: make the report from logs that "
-            "determine the torque scale"
-        )
+        fix = "make the report from logs that determine the torque scale"
+        raise ParameterError(f"{file}: it contains no parameter uncertainty: {fix}")
     try:
         drawn = Posterior.from_dict(own["posterior"]).sample(n, seed)
     except ParameterError as error:

@@ -195,21 +195,16 @@ def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
 def without_repeats(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
     """One row per measurement if the recorder wrote faster than it measured: repeated rows would
     turn the motion into steps and pretend more samples than there are."""
-    names = [name for name in columns if name in _HELD]
     n = len(columns["time_s"])
     changes = np.zeros(n - 1, dtype=bool)
-    for name in names:
+    for name in columns.keys() & _HELD:
         changes |= np.diff(columns[name]) != 0.0
     at = np.flatnonzero(changes) + 1
-    if len(at) < 3:
-        return dict(columns), ()
     runs = np.diff(at)
-    k = int(np.median(runs))
-    if k < 2:
-        return dict(columns), ()
+    k = int(np.median(runs)) if len(at) > 2 else 1
     off = np.abs(runs - k * np.maximum(1, np.round(runs / k)))
     # 95% of the runs must be of one length; that of a long run may be off by one
-    if np.mean(off <= (1 if k >= 5 else 0)) < 0.95:
+    if k < 2 or np.mean(off <= (1 if k >= 5 else 0)) < 0.95:
         return dict(columns), ()
     # at rest nothing changes: there one row in k stays
     ends = np.concatenate([[0], at, [n]])

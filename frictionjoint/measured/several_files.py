@@ -48,7 +48,8 @@ def read_joined(
     source = files[0].parent / (files[0].parent.name or files[0].stem)
     mapping = dict(how.columns)
     clock = mapping.pop("time_s", None)
-    together = bool(sample_rate(clock or "")) or sum(bool(_times(f, clock)) for f in files) == 1
+    rate = sample_rate(clock or "")
+    together = bool(rate) or sum(bool(_times(f, clock)) for f in files) == 1
     clocks = {} if together else {file: _clock(file, clock) for file in files}
     places = _rows_by_name(files, mapping) if together else _signals_by_name(clocks, mapping)
     table = check_names(source.name, list(places), mapping) | {"time_s": "time_s"}
@@ -57,7 +58,12 @@ def read_joined(
     which = {ours: places[theirs] for ours, theirs in (wanted | more).items()}
     if together:
         found = {ours: load_columns(file, [name], "")[name] for ours, (file, name) in which.items()}
-        found = {"time_s": _common_time(files, clock, found)} | found
+        if rate:
+            time = np.arange(len(next(iter(found.values())))) / rate
+        else:
+            owner, stamp = next((f, names[0]) for f in files if (names := _times(f, clock)))
+            time = load_columns(owner, [stamp], stamp)[stamp]
+        found = {"time_s": time} | found
         check_lengths(source.name, found)
         note = f"{len(files)} files, whose rows belong together."
     else:
@@ -105,14 +111,6 @@ def _rows_by_name(files: Sequence[Path], mapping: Mapping[str, str]) -> dict[str
                 raise LogError(f"{file.name}: {called!r} is in two files: {fix}")
             places[called] = file, name
     return places
-
-
-def _common_time(files: Sequence[Path], clock: str | None, found: Mapping[str, Array]) -> Array:
-    """Times of files whose rows belong together: those of one file, or at a sample rate."""
-    if rate := sample_rate(clock or ""):
-        return np.arange(len(next(iter(found.values())))) / rate
-    owner, stamp = next((file, names[0]) for file in files if (names := _times(file, clock)))
-    return load_columns(owner, [stamp], stamp)[stamp]
 
 
 def _at_position(source: str, tracks: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:

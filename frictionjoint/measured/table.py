@@ -18,7 +18,7 @@ from frictionjoint.measured import arrays, repairs, text_table, validate
 from frictionjoint.measured.columns import BOTH, HINGE, SLIDE, check_names, choose, sample_rate
 from frictionjoint.measured.headerless import bare_columns, bare_names, is_bare
 from frictionjoint.measured.log import FEWEST_ROWS, JointLog
-from frictionjoint.measured.text_layout import Layout, layout_of
+from frictionjoint.measured.text_layout import layout_of
 from frictionjoint.measured.units import converted, is_si, quantity_of, unit_of
 
 TABLES = (*text_table.ENDINGS, ".parquet", ".npz", ".mat", *arrays.HDF5_ENDINGS)
@@ -53,8 +53,13 @@ def read_table(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     table = check_names(path.name, column_names(path, how.columns), how.columns)
     joint, prefix, wanted, more, figures = choose(path.name, table, joint, how.signals)
     layout = layout_of(path) if _has_header(path) else None
-    if layout:
-        _require_si(path.name, layout, wanted, how.units)
+    units = layout.units if layout else {}
+    for ours, theirs in wanted.items():
+        cell = units.get(theirs, "")
+        if layout and unit_of(ours, how.units) is None and not is_si(ours, cell):
+            place = f"{path.name}, row {layout.before}, {theirs}: the row of units says {cell!r}"
+            fix = f"give --unit {quantity_of(ours)}=UNIT"
+            raise LogError(f"{place}, which is not the unit of {ours}: {fix}")
     clock = wanted["time_s"]
     rate = None if clock in table else sample_rate(clock)
     if rate:
@@ -71,19 +76,6 @@ def read_table(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     # one that changes on the way is no figure of the log
     same = {name: raw[theirs] for name, theirs in figures.items() if np.ptp(raw[theirs]) == 0.0}
     return replace(log, metadata={name: float(x[0]) for name, x in same.items()})
-
-
-def _require_si(
-    source: str, layout: Layout, wanted: Mapping[str, str], units: Mapping[str, str]
-) -> None:
-    """Raise LogError if a line of units contradicts the name of a column."""
-    for ours, theirs in wanted.items():
-        cell = layout.units.get(theirs, "")
-        if unit_of(ours, units) is None and not is_si(ours, cell):
-            raise LogError(
-                f"{source}, row {layout.before}, {theirs}: the row of units says {cell!r}, "
-                f"which is not the unit of {ours}: give --unit {quantity_of(ours)}=UNIT"
-            )
 
 
 def log_of(

@@ -92,11 +92,10 @@ def check_time(source: str, time: Array, row: RowOf) -> None:
     step = np.diff(time)
     if step.min() <= 0:
         i = int(np.argmax(step <= 0)) + 1
+        what = f"{float(time[i])} after {float(time[i - 1])}, time must increase"
         several = ", or give each joint its own columns" if np.mean(step <= 0) > 0.3 else ""
-        raise LogError(
-            f"{source}, row {row(i)}, time_s: {float(time[i])} after {float(time[i - 1])}, "
-            f"time must increase: sort the rows or remove repeats{several}"
-        )
+        fix = f"sort the rows or remove repeats{several}"
+        raise LogError(f"{source}, row {row(i)}, time_s: {what}: {fix}")
     median = float(np.median(step))
     if not _STEP_S[0] <= median <= _STEP_S[1]:
         units = ((name, factor * median) for name, factor in TIME.items())

@@ -44,9 +44,8 @@ def known_of(report: Path, joint: str | None = None) -> Known:
     file, name, own = read_joint(report, joint)
     model = file.with_name("model.xml")
     if not own.get("posterior"):
-        raise ParameterError(
-            f"{file}: it contains no parameter uncertainty of joint {name!r}: make it again"
-        )
+        what = f"no parameter uncertainty of joint {name!r}"
+        raise ParameterError(f"{file}: it contains {what}: make it again")
     if not model.is_file():
         raise ParameterError(f"{model}: missing next to the report: give the whole folder")
     return Known(

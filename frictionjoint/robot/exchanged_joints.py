@@ -43,10 +43,9 @@ def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJo
         travel = max(float(np.ptp(log.position)) for log in task.logs)
         # an inertia of a tenth also explains more in degrees, but no joint of an arm turns so far
         if travel > FAR and _left(task, task, _in_degrees) < APART * min(1.0, left[name]):
-            raise LogError(
-                f"{name!r} turns by {travel:.3g} rad, and the model explains its drive if that is "
-                "in degrees: convert its positions to rad"
-            )
+            what, fix = "if that is in degrees", "convert its positions to rad"
+            turns = f"{name!r} turns by {travel:.3g} rad"
+            raise LogError(f"{turns}, and the model explains its drive {what}: {fix}")
     for a, b in combinations(doubtful, 2):
         for what, exchanged in _EXCHANGES.items():
             try:
