@@ -4,8 +4,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from frictionjoint.cli.close_loop import robots_of
 
+from frictionjoint.cli.fits import robots_of
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.result import Estimate
 from frictionjoint.parameter_meanings import SIDES
