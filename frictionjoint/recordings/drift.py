@@ -57,7 +57,11 @@ def known_of(report: Path, joint: str | None = None) -> Known:
 
 def drift(known: Known, logs: Sequence[JointLog]) -> list[Drift]:
     """Compare each parameter of a known friction with new logs."""
-    found = [Estimates(known, log) for log in logs]
+    return judged(known, [Estimates(known, log) for log in logs])
+
+
+def judged(known: Known, found: Sequence[Estimates]) -> list[Drift]:
+    """The same for the estimates of new logs."""
     rows, keys = [], [entry.key for entry in entries(known.posterior.content)]
     for i, (number, before, error) in enumerate(
         zip(known.numbers, known.values, known.stderr, strict=True)
