@@ -51,7 +51,8 @@ def uniform_motion(time: Array, position: Array, grid: Array) -> Array:
 
     Linear interpolation cuts corners, by an amount that varies with clock jitter: noise when
     differentiated twice. Modified Akima pieces are local, so a gap in the log causes no
-    oscillation. Where they would follow the counts of an encoder, linear ones are used."""
+    oscillation. Where they would follow the counts of an encoder, linear ones are used.
+    """
     straight = np.interp(grid, time, position)
     pieces = Akima1DInterpolator(time, position, method="makima")
     smooth = np.asarray(pieces(np.clip(grid, time[0], time[-1])))
@@ -126,7 +127,8 @@ def followed(log: JointLog) -> Derivatives:
     The band minimises generalised cross-validation (Craven and Wahba 1979): the squared residual of
     the filter over the square of the removed fraction of the spectrum. Among bands within a
     standard error of the best, the narrowest is used, for a velocity has relatively more noise. In
-    a slow motion measured in coarse steps `motion_band` may not separate motion from noise."""
+    a slow motion measured in coarse steps `motion_band` may not separate motion from noise.
+    """
     _, position, dt = on_a_grid(log)
     highest = HIGHEST / dt
     # a third of an octave apart where the log has 200 Hz
@@ -171,7 +173,8 @@ def first_velocity(time: Array, position: Array, count: float) -> float:
     A filter of the whole motion has no data before the first sample, and can return several rad/s
     in the wrong direction for a joint that starts from rest. The parabola spans as many samples as
     it fits to within half a count, the encoder's step, rad (m), because rounding makes a velocity
-    uncertain by about one count per duration; without a count it spans the shortest interval."""
+    uncertain by about one count per duration; without a count it spans the shortest interval.
+    """
     t, q = time - time[0], position - position[0]
     # the shortest interval, s
     least = max(3, int(np.searchsorted(t, 0.02, side="right")))

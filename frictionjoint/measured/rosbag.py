@@ -51,7 +51,8 @@ def read_rosbag(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
             they carry no names, ``{"position_m": "position"}`` for a slide; or fields of any
             messages by our names: ``{"topic": name, "position_rad": "state.q[2]"}``.
     Raises:
-        LogError: no such topic or joint, rosbags is missing, or see `validate`."""
+        LogError: no such topic or joint, rosbags is missing, or see `validate`.
+    """
     mapping, only = dict(how.columns), ReadOptions(units=how.units)
     if any(name in (*KNOWN, "time_s") for name in mapping if mapping[name] != "position"):
         return _read_fields(path, joint, mapping, only)

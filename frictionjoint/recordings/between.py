@@ -126,7 +126,8 @@ def moderated(block: Array, independent: Array, dof: Array) -> tuple[Array, floa
 
     Args:
         block: variances from blocks of time, with `dof` degrees of freedom, shape (k,).
-        independent: variances if samples were independent, shape (k,)."""
+        independent: variances if samples were independent, shape (k,).
+    """
     factor, half = block / independent, 0.5 * dof
     if len(block) < 2:
         return block, float(dof.sum())

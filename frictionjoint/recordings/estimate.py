@@ -195,7 +195,8 @@ class _Balance(NamedTuple):
         sticks: from 0 in sliding to 1 where the joint sticks, shape (n,). alike: number of samples
             of the rest that a sample belongs to, which share one error; 1 in sliding.
         level: largest torque of the law, N m (N). block: of each sample. blocks: their number.
-        acted, velocity: at each sample, shape (n,)."""
+        acted, velocity: at each sample, shape (n,).
+    """
 
     by: Array
     residual: Array

@@ -37,7 +37,8 @@ class Choice:
     Attributes:
         evidence: its gain is the fraction of held-out squares that it removes of the joint with
             the largest; its p-value is over the whole family, its margin over all joints.
-        numbers: of the cause, to first order, for its free columns, next to all others."""
+        numbers: of the cause, to first order, for its free columns, next to all others.
+    """
 
     candidate: Candidate
     evidence: Evidence
@@ -124,7 +125,8 @@ def redundant(screened: Screened, without: Sequence[Screened]) -> list[tuple[int
     Args:
         screened: model; effects common to all joints are kept with the causes, those of single
             joints are not, because they would compensate for the harm of a cause.
-        without: the model without each cause."""
+        without: the model without each cause.
+    """
     now, found = _left_by_robot(screened), []
     for i, rest in enumerate(without):
         left = _left_by_robot(rest)

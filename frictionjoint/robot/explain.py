@@ -63,7 +63,8 @@ class Corrected:
     Attributes:
         model: the user's with all shared causes. original, corrections: of the user's model and
             of that one. without: those with all but one of the causes of this joint, by index.
-        shape: of the law fitted with the user's model."""
+        shape: of the law fitted with the user's model.
+    """
 
     def __init__(self, task: Task, first: FittedJoint, shared: Settled, model: Model) -> None:
         found = shared.found

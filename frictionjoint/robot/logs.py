@@ -68,7 +68,8 @@ class RobotLogs:
             read: reads one log of a joint. columns: see `read_log`.
         Raises:
             LogError: no log to fit, a named joint cannot be used or is named twice, or no joint can
-                be used; see `joints_to_explain`."""
+                be used; see `joints_to_explain`.
+        """
         if not logs:
             raise LogError("no log to fit: give at least one that is not held out")
         found = cls({}, {}, {}, alone=isinstance(joint, str), ends=fraction is not None)

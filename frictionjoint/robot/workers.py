@@ -27,7 +27,8 @@ def workers(count: int, scheduler: str | None) -> "Iterator[Each]":  # type: ign
     over the workers of a Dask cluster; an exception or interruption ends all that was begun.
 
     Raises:
-        FrictionJointError: no scheduler answers there, or `distributed` is not installed."""
+        FrictionJointError: no scheduler answers there, or `distributed` is not installed.
+    """
     if scheduler is not None:
         with _cluster(scheduler) as each:
             yield each
