@@ -34,7 +34,12 @@ def require_writable(
         raise FrictionJointError(f"--out {out}: {fix}")
     written = [out] if files is None else [out / name for name in files]
     existing = [path for path in written if path.exists()]
-    _require_others(existing, made_from)
+    from frictionjoint.model_text import sources
+
+    for part in (part for source in made_from for part in sources(source) if part.exists()):
+        if same := [path for path in existing if path.samefile(part)]:
+            fix = "give another --out"
+            raise FrictionJointError(f"{same[0]} is an input of this command: {fix}")
     if existing and not force:
         fix = "give another --out, or --force to overwrite it"
         raise FrictionJointError(f"{existing[0]} exists already: {fix}")
@@ -56,14 +61,3 @@ def print_json(content: Any) -> None:
 def open_page(page: Path) -> None:
     """Open a page in the browser, if there is one."""
     webbrowser.open(page.absolute().as_uri())
-
-
-def _require_others(existing: Iterable[Path], made_from: Iterable[Path]) -> None:
-    from frictionjoint.model_text import sources
-
-    for source in made_from:
-        for part in sources(source):
-            for path in existing:
-                if part.exists() and path.samefile(part):
-                    fix = "give another --out"
-                    raise FrictionJointError(f"{path} is an input of this command: {fix}")

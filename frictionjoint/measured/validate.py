@@ -179,23 +179,20 @@ def _check_fractions(source: str, name: str, x: Array) -> None:
 
 def _check_speed(source: str, name: str, speed_name: str, columns: Mapping[str, Array]) -> None:
     """Compare with a measured velocity: it reveals a wrong unit of position or time."""
-    power, cross, slope = _compare(columns["time_s"], columns[name], columns[speed_name])
+    time, position, speed = (columns[x] for x in ("time_s", name, speed_name))
+    # sums of speed^2, slope * speed and slope^2, in blocks so that long logs need no copies
+    sums, block = np.zeros(3), 1 << 16
+    for start in range(0, len(time) - 1, block):
+        part = slice(start, start + block + 1)
+        rate = np.diff(position[part]) / np.diff(time[part])
+        v = 0.5 * (speed[part][1:] + speed[part][:-1])
+        sums += (v @ v, rate @ v, rate @ rate)
+    power, cross, slope = sums.tolist()
     # Where the two barely correlate the joint barely moves, and units cannot be inferred.
     sure = cross * cross > 0.25 * power * slope
     if sure and not 0.5 < cross / power < 2.0:
         what = f"{name} changes {cross / power:.3g} times as fast as {speed_name} states"
         raise LogError(f"{source}: {what}: check the units and signs of the two, and of time_s")
-
-
-def _compare(time: Array, position: Array, speed: Array) -> tuple[float, float, float]:
-    """Sums of speed^2, slope * speed and slope^2, in blocks so that long logs need no copies."""
-    sums, block = np.zeros(3), 1 << 16
-    for start in range(0, len(time) - 1, block):
-        part = slice(start, start + block + 1)
-        slope = np.diff(position[part]) / np.diff(time[part])
-        v = 0.5 * (speed[part][1:] + speed[part][:-1])
-        sums += (v @ v, slope @ v, slope @ slope)
-    return float(sums[0]), float(sums[1]), float(sums[2])
 
 
 def _check_target(source: str, name: str, target_name: str, columns: Mapping[str, Array]) -> None:

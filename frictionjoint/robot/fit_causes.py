@@ -71,11 +71,6 @@ class _Problem:
     factor: Array
     pull: Array
 
-    @property
-    def bounds(self) -> Array:
-        """Lowest and highest numbers, shape (2, k)."""
-        return np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in self.causes]).T
-
     def split(self, x: NDArray[Any]) -> list[NDArray[Any]]:
         """What belongs to each cause."""
         return np.split(x, np.cumsum([len(c.start) for c in self.causes])[:-1])
@@ -92,7 +87,7 @@ class _Problem:
 
     def least(self, starts: Sequence[Array]) -> Array:
         """The numbers with the smallest residual, from several starts."""
-        bounds = self.bounds
+        bounds = np.concatenate([np.reshape(c.bounds, (-1, 2)) for c in self.causes]).T
         # a valley between a mass and rotors takes hundreds of steps
         how: dict[str, Any] = {"bounds": tuple(bounds), "x_scale": "jac", "max_nfev": 600}
         tried = [least_squares(self.left, np.clip(x, *bounds), self.slopes, **how) for x in starts]

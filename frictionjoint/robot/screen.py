@@ -66,8 +66,13 @@ def screen(
     pairs = [*(found.pairs(i) for i in range(n)), *(m.pairs(n) for m in models)]
     edges = np.cumsum([0, *(len(p) for p in pairs)])
     size = int(edges[-1])
-    effects = _of_all(joints, common, size)
-    size += sum(len(c.at) for c in effects)
+    effects: list[Candidate] = []
+    names = tuple(j.name for j in joints)
+    for term in common:
+        of_term = size + np.arange(len(term.coefficients))
+        room = np.array(term_bounds(joints[0].prepared, term))
+        effects.append(Candidate(of_term, names, None, term.name, term, size, room))
+        size += len(of_term)
     of_robot, grams = np.arange(size), []
     for joint, like in zip(joints, shaped or joints, strict=True):
         at = [of_robot]
@@ -95,19 +100,6 @@ def screen(
     candidates = [c for c in sets[n:] if c.joints]
     stack = Stack(grams, clock, precision, pull)
     return Screened(stack, tuple(sets[:n]), (*candidates, *effects))
-
-
-def _of_all(
-    joints: Sequence[FittedJoint], terms: Sequence[EffectTerm], first: int
-) -> list[Candidate]:
-    """Effects common to all joints, their columns in order from a given index."""
-    names, found = tuple(j.name for j in joints), []
-    for term in terms:
-        at = first + np.arange(len(term.coefficients))
-        room = np.array(term_bounds(joints[0].prepared, term))
-        found.append(Candidate(at, names, effect=term.name, common=term, first=first, room=room))
-        first += len(at)
-    return found
 
 
 def _start(joints: Sequence[FittedJoint], clock: Clock, found: Found, cause: Cause) -> Array:
