@@ -58,17 +58,12 @@ def read_rosbag(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
         return _read_fields(path, joint, mapping, only)
     known = ("topic", "command", "joints", "position_m")
     *topics, position = column_options(path.name, mapping, known, "a bag")
-    slide = position == "position"
+    names = SLIDE if position == "position" else HINGE
     samples = _by_joint(path, *topics)
     joint = one_joint(path.name, sorted(samples), joint)
-    own = samples.pop(joint)
-    time = own[:, 0]
-    names = SLIDE if slide else HINGE
-    data = {"time_s": time} | {
-        name: own[:, k].copy()
-        for k, name in enumerate(names, start=1)
-        if not np.isnan(own[:, k]).all()
-    }
+    time, *columns = samples.pop(joint).T.copy()
+    there = (pair for pair in zip(names, columns, strict=True) if not np.isnan(pair[1]).all())
+    data = {"time_s": time, **dict(there)}
     if names[2] not in data and names[3] not in data:
         what = "no command names it" if topics[1] else "name the topic of its commands (command)"
         fix = "record torques or commands"

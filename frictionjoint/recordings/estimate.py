@@ -47,10 +47,10 @@ from frictionjoint.refine.vector import PRIOR_ERRORS, PRIOR_SIZE
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.carrier import install
 
-# added noise variance over the measured one, signs with which the noise is added, and weight of the
-# estimate: value at variance 0 of the parabola through the estimates at variances 1, 2 and 3. The
-# two signs cancel what is linear in the added noise.
-_EXTRAPOLATED = ((0.0, (1.0,), 3.0), (1.0, (1.0, -1.0), -3.0), (2.0, (1.0, -1.0), 1.0))
+# added noise over the measured one, and weight of the estimate: value at variance 0 of the parabola
+# through the estimates at variances 1, 2 and 3. Two signs cancel what is linear in the added noise.
+_ROOT = float(np.sqrt(2.0))
+_EXTRAPOLATED = ((0.0, 3.0), (1.0, -1.5), (-1.0, -1.5), (_ROOT, 0.5), (-_ROOT, 0.5))
 _OF_LEVEL = {e.name for e in CATALOGUE if e.entry == "scales the friction level"}
 
 
@@ -119,13 +119,10 @@ class Estimates:
         sizes = np.maximum(PRIOR_SIZE * np.abs(known.values), PRIOR_ERRORS * known.stderr)
         # the last parameter is a time offset of less than a sample between drive and position
         prior = np.append(sizes, np.median(np.diff(log.time)))
-        trials = []
-        for variance, signs, weight in _EXTRAPOLATED:
-            for sign in signs:
-                added = sign * np.sqrt(variance)
-                trials.append(
-                    (weight / len(signs), [_linear(known, x, added, numbers) for x in parts])
-                )
+        trials = [
+            (weight, [_linear(known, x, added, numbers) for x in parts])
+            for added, weight in _EXTRAPOLATED
+        ]
         measured = trials[0][1]
         if sum(len(x.residual) for x in measured) < 10 * len(numbers):
             raise LogError(f"{log.name}: too little motion with a known drive to compare")
