@@ -12,14 +12,13 @@ import typer
 
 from frictionjoint.cli.data import data
 from frictionjoint.cli.demo import demo
-from frictionjoint.cli.evaluate import evaluate
 from frictionjoint.cli.export import export
 from frictionjoint.cli.fits import close_loop, identify
 from frictionjoint.cli.inspect import inspect
+from frictionjoint.cli.look import evaluate, plot
 from frictionjoint.cli.models import check, install, uninstall, view
 from frictionjoint.cli.motors import motors
 from frictionjoint.cli.plain_help import PlainCommand, PlainGroup
-from frictionjoint.cli.plot import plot
 from frictionjoint.cli.reports import compare, drift, sample
 from frictionjoint.errors import FrictionJointError
 
