@@ -29,8 +29,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 from judging import read_answer, tables, told
 
+from frictionjoint.diagnose.report_parts import noise_floor
 from frictionjoint.diagnose.trace import trace
-from frictionjoint.diagnose.verdict import noise_floor
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters

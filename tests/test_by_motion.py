@@ -12,7 +12,7 @@ from frictionjoint.diagnose.detection_limit import DetectionLimit
 from frictionjoint.diagnose.finding import Finding, Trace
 from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.effects.position_periodic import EFFECT as WAVE
+from frictionjoint.effects.position import POSITION_PERIODIC as WAVE
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import ROUGH, refit

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import frictionjoint as fj
-from frictionjoint.effects.position_periodic import EFFECT
+from frictionjoint.effects.position import POSITION_PERIODIC as EFFECT
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.simulate.carrier import read_friction

@@ -6,7 +6,7 @@ from test_constraint_law import driven
 
 from frictionjoint import close_loop
 from frictionjoint.diagnose.library import other_forms
-from frictionjoint.effects import end_stop
+from frictionjoint.effects.position import BOTH_STOPS, LOWER_STOP, UPPER_STOP
 from frictionjoint.identify.matching import check_logs
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -58,10 +58,10 @@ def test_limits_at_both_ends_that_the_model_lacks_are_one_end_stop():
 
 def test_a_stop_at_one_end_is_tried_where_the_stop_at_both_ends_has_it():
     prepared = prepare([pressed(1)], RigidBody(MODEL.format(""), "j"))
-    both = refit(prepared, (EffectTerm(end_stop.BOTH, (0.5, -0.4)),), INTEGRATED[0], ROUGH)
+    both = refit(prepared, (EffectTerm(BOTH_STOPS, (0.5, -0.4)),), INTEGRATED[0], ROUGH)
     (stop,) = both.effects
     forms = {c.term.effect: c.term.shape for c in other_forms(prepared, both, stop)}
-    assert forms == {end_stop.UPPER: stop.shape[:1], end_stop.LOWER: stop.shape[1:]}
+    assert forms == {UPPER_STOP: stop.shape[:1], LOWER_STOP: stop.shape[1:]}
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.verdict import noise_floor, verdict
+from frictionjoint.diagnose.report_parts import noise_floor, verdict
 from frictionjoint.identify.noise import Band, count_of, density_above
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -101,8 +101,8 @@ def test_a_log_whose_motion_reaches_above_its_band_tells_no_noise():
     [(0.01, "partly-explained"), (0.09, "explained"), (0.2, "partly-explained")],
 )
 def test_an_error_far_below_the_noise_is_not_at_the_noise(monkeypatch, error, expected):
-    monkeypatch.setattr("frictionjoint.diagnose.verdict.noise_floor", lambda *of: 0.1)
-    monkeypatch.setattr("frictionjoint.diagnose.verdict._is_white", lambda *of: False)
+    monkeypatch.setattr("frictionjoint.diagnose.report_parts.noise_floor", lambda *of: 0.1)
+    monkeypatch.setattr("frictionjoint.diagnose.report_parts._is_white", lambda *of: False)
     final = SimpleNamespace(rms_in_motion=error, target_rms=10.0, gain=1.0, effects=())
     found = SimpleNamespace(findings=(1,), unexplained=(), final=final, prepared=None)
     errors = Rms(error, error), Rms(error, error)

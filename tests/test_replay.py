@@ -13,7 +13,7 @@ from arms.fitted import joint_logs
 import frictionjoint as fj
 from frictionjoint.diagnose import close_loop as loop
 from frictionjoint.diagnose.notes import DIVERGES
-from frictionjoint.diagnose.verdict import verdict
+from frictionjoint.diagnose.report_parts import verdict
 from frictionjoint.effects import temperature_dependent
 from frictionjoint.effects.measurement_delay import EFFECT as DELAY
 from frictionjoint.identify.prepare import prepare

@@ -4,7 +4,7 @@ recognised, and balanced to the noise as any other; of a smooth drive nothing is
 import numpy as np
 import pytest
 
-from frictionjoint.diagnose.verdict import noise_floor
+from frictionjoint.diagnose.report_parts import noise_floor
 from frictionjoint.identify.starts import fit
 from tests.three_sines import INERTIA, logged, sines
 

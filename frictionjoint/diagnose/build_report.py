@@ -14,7 +14,6 @@ from frictionjoint.diagnose.joint_logs import JointLogs
 from frictionjoint.diagnose.notes import DIVERGES, REFINED, gain_note, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.resulting_model import ResultingModel
-from frictionjoint.diagnose.verdict import noise_floor, verdict
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
@@ -92,20 +91,17 @@ def build_report(
         measured_rms=final.target_rms,
         reconstructed=logs.prepared.commanded,
         bandwidth_hz=logs.prepared.band.balance,
-        noise_floor=noise_floor(moving, final.gain),
+        noise_floor=parts.noise_floor(moving, final.gain),
         unexplained=found.unexplained,
         unexplained_causes=found.causes,
-        verdict=verdict(found, (torque[0], before), (torque[1], after), diverges),
+        verdict=parts.verdict(found, (torque[0], before), (torque[1], after), diverges),
         mjcf=model_text(spec, body.mjcf),
         seconds=time.perf_counter() - begin,
         laws=(law_parameters(base), law_parameters(final)),
         curves=parts.curves(moving, kept_back, found),
         rankings=parts.rankings(found),
         smallest=() if found.detection_limit.too_short else found.detection_limit.of_each,
-        law_errors={
-            law_parameters(final).law: final.rms_in_motion,
-            **dict(found.other_laws.errors),
-        },
+        law_errors={law_parameters(final).law: final.rms_in_motion} | dict(found.other_laws.errors),
         thresholds={"gain": SMALLEST_GAIN, "p_value": SIGNIFICANCE},
         proposals=what_to_record(*open_questions, bool(logs.held_out), computed),
         notes=(

@@ -53,14 +53,7 @@ def prepare_logs(
     bodies: Bodies,
     controller: Controller | None,
 ) -> JointLogs:
-    """The logs, checked and filtered.
-
-    Args:
-        held_out: may be empty. bodies: the model around the joint.
-        controller: what drove the joint to its target.
-    Raises:
-        FrictionJointError: bad logs, in one line.
-    """
+    """The logs, checked and filtered; arguments and errors are those of `close_loop.explain`."""
     mine, theirs = bodies.of(logs), bodies.of(held_out)
     said = bodies.check(logs, held_out)
     if controller:

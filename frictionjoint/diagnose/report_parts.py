@@ -1,4 +1,4 @@
-"""Parts of a report, made from the findings of the search."""
+"""Parts of a report, made from the findings of the search: figures, candidates, the verdict."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,18 +7,19 @@ from typing import get_args
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
-from frictionjoint.decisions import SURELY
+from frictionjoint.decisions import AS_WHITE, AT_THE_FLOOR, LEAST_NOISE, SURELY
 from frictionjoint.diagnose.determined import offset_instead, standard_errors
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.moves import Look
 from frictionjoint.effects.signals import TIME, Q, V
+from frictionjoint.identify.blocks import correlation_time
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import rms_interval
 from frictionjoint.identify.result import term_estimates
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import VARIABLES
-from frictionjoint.identify.start import Prediction, predict
+from frictionjoint.identify.start import predict
 from frictionjoint.identify.terms import DriveTerm, Term
 from frictionjoint.replay.free_runs import Replay
 from frictionjoint.replay.loops import LoopErrors
@@ -33,21 +34,22 @@ from frictionjoint.report.entries import (
     Role,
     SimulatedPosition,
 )
+from frictionjoint.report.joint_report import Verdict
+
+# ratio of the noise of two logs beyond which one contains torque above its band; the noise of a
+# short log is known to 10%
+_SAME_NOISE = 1.5
 
 
 def _errors(prepared: Prepared, fitted: Fit, gain: float) -> Array:
     """Errors of the torque in motion, N m, all with one drive gain: a smaller gain improves no
     model."""
-    found: Prediction = predict(prepared, fitted)
+    found = predict(prepared, fitted)
     return np.asarray(found.error[found.in_motion] * (gain / fitted.scale))
 
 
 def torque_rms(fitted_on: Prepared, kept_back: Prepared | None, f: Fit, gain: float) -> Rms:
-    """rms error of the torque in motion, fitted and held out, N m (N).
-
-    Args:
-        gain: of the drive, used for the errors of all models.
-    """
+    """rms error of the torque in motion with a drive gain, fitted and held out, N m (N)."""
     held = root_mean_square(_errors(kept_back, f, gain)) if kept_back else None
     return Rms(root_mean_square(_errors(fitted_on, f, gain)), held)
 
@@ -97,7 +99,8 @@ def added(
             ties = (*step.ties, "joint-offset") if turned else step.ties
             evidence = Evidence(
                 *(step.gain, step.row.p_value, step.row.frequency),
-                *(*step.runner_up, ties),
+                *step.runner_up,
+                ties,
                 standard_errors(found.final, cov, i) < SURELY,
             )
             entries[name] = Added(name, step.term.effect.cause, parameters, evidence, rms)
@@ -190,3 +193,60 @@ def rivals(found: Trace) -> list[tuple[int, Term]]:
         and not isinstance(term, DriveTerm)
         and not isinstance(f.term, DriveTerm)
     ]
+
+
+def noise_floor(prepared: Prepared, gain: float) -> float:
+    """Residual of a perfect model due to instrument noise in the torque band, N m.
+
+    The torque's noise is estimated above the motion's band, where jerks and chatter of a stiff
+    controller add to it. Logs share their instruments, so the quietest log determines the noise.
+    """
+    least = min((x for s in prepared.segments if (x := s.noise.torque) > 0.0), default=0.0)
+    powers = []
+    for s in prepared.segments:
+        torque, position = s.noise.left(s.bandwidth_hz)
+        if s.noise.torque > _SAME_NOISE * least:
+            torque *= least / s.noise.torque
+        powers.append(torque + position)
+    return gain * float(np.sqrt(np.mean(powers)))
+
+
+def verdict(
+    found: Trace, before: tuple[Rms, Rms], after: tuple[Rms, Rms], diverges: bool
+) -> Verdict:
+    """`explained` requires a residual at the level of the instrument noise, or as white as noise
+    where that level is unknown.
+
+    It is not given if held-out logs or the replay contradict it or have more than twice the torque
+    error, if the replay diverges, or if an added parameter reached the end of its range.
+
+    Args:
+        before, after: errors of torque and replay.
+        diverges: whether a replay of the final model leaves the measured motion altogether.
+    """
+    if not found.findings and not found.unexplained:
+        return "too-short-to-tell" if found.detection_limit.too_short else "no-effect-found"
+    worse = diverges or any(a.worse_than(b) for b, a in zip(before, after, strict=True))
+    contradicted = worse or after[0].only_fitted
+    final = found.final
+    own = (final.layout.of_term(i) for i in range(len(final.effects)))
+    at_a_bound = any(bool(final.bound[at].any()) for at in own)
+    if not found.findings or found.unexplained or contradicted or at_a_bound:
+        return "partly-explained"
+    noise, left = noise_floor(found.prepared, final.gain), final.rms_in_motion
+    # an error far below an estimate of the noise contradicts the estimate
+    if noise < LEAST_NOISE * final.target_rms or left < noise / AT_THE_FLOOR:
+        as_noise = _is_white(final, found.prepared)
+    else:
+        as_noise = left <= AT_THE_FLOOR * noise
+    return "explained" if as_noise else "partly-explained"
+
+
+def _is_white(fitted: Fit, prepared: Prepared) -> bool:
+    """Whether the correlation time of a residual is near that of filtered white noise."""
+    e = fitted.residual * fitted.weight
+    for i, s in enumerate(prepared.segments):
+        filtered_noise = max(1.0, 1.0 / (2.0 * s.bandwidth_hz * s.dt * s.step))
+        if correlation_time(e[fitted.log_index == i]) > AS_WHITE * filtered_noise:
+            return False
+    return True

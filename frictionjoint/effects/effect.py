@@ -31,94 +31,72 @@ Acts = Literal["torque", "mechanism", "sensors"]
 class Effect:
     """One effect beyond the friction law.
 
-    Attributes:
-        title: common name; the canonical name if empty.
-        name: canonical name; forms of one effect share it and differ in `form`.
-        effect_id: number of its kernel in models and files; 0 for an effect of the drive, which has
-            none. 8 and 15 belonged to effects that no longer exist.
-        kernel: computes its torque, see `kernel.py` for the arguments.
-        coefficients: names of the linear coefficients; units: one unit per coefficient, with
-            "T" for the joint's torque (N m or N) and "x" for its position (rad or m).
-        shape: names of the shape numbers; shape_units: their units.
-        shape_fixed: number of leading shape numbers that are references and not estimated.
-        shapes: grid of shape numbers to search, from the signals of the log, shape (n, N_SIGNALS).
-        needs: signal columns that the effect requires.
-        entry: how it enters the torque. cause, form, source, signature: text for people.
-        bounds: of each coefficient, in units of its column; they state the physical sign.
-        shape_bounds: of each shape number; none where empty.
-        slow: it changes over minutes, and is certain long before its end and its rate are known.
-        decays_over: the shape number over which its level falls to 37%.
-        proposed_by: source of initial shape numbers: the grid of `shapes`, or, for effects fixed
-            in angle, the spectrum of the residual over position.
-        drives: kinds of drive signal for which the effect is identifiable.
-        first: it is decided before all others, because without it every torque is wrong.
-        opposes_voltage: it is a voltage proportional to motor speed; it acts only while the
-            motor's circuit is closed.
-        on_motor: it acts between the drive and the motor torque.
-        delays: its shape number is the time by which the drive is logged early, s.
-        delays_target: its number is the time by which a controller gets its target late, s.
-        is_inertia: its coefficient adds to the joint's inertia.
-        acts: what it is in a simulation: a torque in the callback, a joint with springs, or a
-            delay of the joint's sensors.
-        of_speed: its torque is a function of speed only, and a joint's damping approximates it.
-        plain: property of a joint in any simulator, per coefficient; empty if there is none.
-        of_inertia: bounds are in units of the joint's inertia.
-        of_load: it changes the whole load torque: its coefficient is 1, or, if the motor gain is
-            unknown, that of the load.
-        of_size: it depends on the magnitude of the transmitted torque.
-        leaps: its torque is discontinuous in a shape number, at an impact or a threshold, so the
-            residual sum of squares is not smooth and derivatives do not lead to its minimum.
-        free: its free oscillation, for a log that begins during one: torque per
-            unit of the first coefficient from (shape, (state, rate), signals), shape (n,).
-        drive: for an effect of the drive: maps (block, delay, shape) of the documented controller
-            to block and delay of the actual one. Such an effect has no coefficients.
-        controller: for an effect of the drive, the fields of a `Controller` that it changes.
-        drive_shapes: grid of shape numbers to search, from the commands of each log.
-        vanishes: the shape number that states its size, and the value at which it changes nothing;
-            None: all of them, at 0.
-        separating_motion: what to record to distinguish it from similar effects.
+    In units "T" is the joint's torque (N m or N) and "x" its position (rad or m).
     """
 
-    name: str
+    name: str  # canonical; forms of one effect share it and differ in `form`
+    # text for people
     cause: str
     form: str
     source: str
     signature: str
-    separating_motion: str
+    separating_motion: str  # what to record to distinguish it from similar effects
+    # number of its kernel in models and files; 0 for an effect of the drive, which has none. 8 and
+    # 15 belonged to effects that no longer exist
     effect_id: int = 0
-    kernel: Callable[..., float] | None = None
-    coefficients: tuple[str, ...] = ()
-    units: tuple[str, ...] = ()
-    entry: Entry = "adds torque"
-    shape: tuple[str, ...] = ()
+    kernel: Callable[..., float] | None = None  # computes its torque; arguments: see kernel.py
+    coefficients: tuple[str, ...] = ()  # names of the linear coefficients
+    units: tuple[str, ...] = ()  # one per coefficient
+    entry: Entry = "adds torque"  # how it enters the torque
+    shape: tuple[str, ...] = ()  # names of the shape numbers
     shape_units: tuple[str, ...] = ()
-    shape_fixed: int = 0
+    shape_fixed: int = 0  # number of leading shape numbers that are references, not estimated
+    # grid of shape numbers to search, from the signals of the log, shape (n, N_SIGNALS)
     shapes: Callable[[Array], list[Shape]] = lambda signals: [()]
-    needs: tuple[int, ...] = ()
+    needs: tuple[int, ...] = ()  # signal columns that the effect requires
+    # of each coefficient, in units of its column; they state the physical sign
     bounds: tuple[tuple[float, float], ...] = ()
-    shape_bounds: tuple[tuple[float, float], ...] = ()
+    shape_bounds: tuple[tuple[float, float], ...] = ()  # of each shape number; none where empty
+    # it changes over minutes, and is certain long before its end and its rate are known
     slow: bool = False
-    decays_over: str = ""
+    decays_over: str = ""  # the shape number over which its level falls to 37%
+    # source of initial shape numbers: the grid of `shapes`, or, for effects fixed in angle, the
+    # spectrum of the residual over position
     proposed_by: Literal["grid", "spectrum"] = "grid"
+    # kinds of drive signal for which it is identifiable
     drives: tuple[str, ...] = ("torque", "voltage", "current")
-    first: bool = False
+    first: bool = False  # it is decided before all others: without it every torque is wrong
+    # it is a voltage proportional to motor speed, and acts while the motor's circuit is closed
     opposes_voltage: bool = False
-    on_motor: bool = False
-    delays: bool = False
-    delays_target: bool = False
-    is_inertia: bool = False
-    of_speed: bool = False
-    plain: tuple[Plain, ...] = ()
-    of_inertia: bool = False
+    on_motor: bool = False  # it acts between the drive and the motor torque
+    delays: bool = False  # its shape number is the time by which the drive is logged early, s
+    delays_target: bool = False  # it is the time by which a controller gets its target late, s
+    is_inertia: bool = False  # its coefficient adds to the joint's inertia
+    of_speed: bool = False  # its torque depends on speed only; a joint's damping approximates it
+    plain: tuple[Plain, ...] = ()  # property of a joint in any simulator, per coefficient
+    of_inertia: bool = False  # its bounds are in units of the joint's inertia
+    # it changes the whole load torque: its coefficient is 1, or, if the motor gain is unknown, that
+    # of the load
     of_load: bool = False
-    of_size: bool = False
+    of_size: bool = False  # it depends on the magnitude of the transmitted torque
+    # its torque is discontinuous in a shape number, at an impact or a threshold, so the residual
+    # sum of squares is not smooth and derivatives do not lead to its minimum
     leaps: bool = False
-    title: str = ""
+    title: str = ""  # common name; the canonical name if empty
+    # what it is in a simulation: a torque in the callback, a joint with springs, or a delay of the
+    # joint's sensors
     acts: Acts = "torque"
+    # its free oscillation, for a log that begins during one: torque per unit of the first
+    # coefficient from (shape, (state, rate), signals), shape (n,)
     free: Callable[[Shape, tuple[float, float], Array], Array] | None = None
+    # for an effect of the drive, which has no coefficients: maps (block, delay, shape) of the
+    # documented controller to block and delay of the actual one; the fields of a `Controller` that
+    # it changes; the grid of shape numbers to search, from the commands of each log
     drive: Callable[[Array, float, Shape], tuple[Array, float]] | None = None
     controller: Callable[[Controller, Shape], dict[str, Any]] | None = None
     drive_shapes: Callable[[Sequence[Commands]], list[Shape]] | None = None
+    # the shape number that states its size, and the value at which it changes nothing; None: all of
+    # them, at 0
     vanishes: tuple[str, float] | None = None
 
     def __repr__(self) -> str:
