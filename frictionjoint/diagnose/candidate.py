@@ -15,20 +15,13 @@ from frictionjoint.identify.terms import EffectTerm, Term
 
 @dataclass(frozen=True)
 class Candidate:
-    """A term with its columns on the kept samples.
+    """A term with its columns on the kept samples."""
 
-    Attributes:
-        term: effect with given shape numbers, or an unnamed dependence.
-        columns: after the torque filter, N m per coefficient, shape (n, k).
-        bounds: of each coefficient, N m; none if empty.
-        among: number of lines of the residual's spectrum that it was chosen from.
-        begun: columns of its possible state at the start of each log, shape (n, m); None: no state.
-    """
-
-    term: Term
-    columns: Array
-    bounds: tuple[tuple[float, float], ...] = ()
-    among: float = 1.0
+    term: Term  # effect with given shape numbers, or an unnamed dependence
+    columns: Array  # after the torque filter, N m per coefficient, shape (n, k)
+    bounds: tuple[tuple[float, float], ...] = ()  # of each coefficient, N m; none if empty
+    among: float = 1.0  # number of lines of the residual's spectrum that it was chosen from
+    # columns of its possible state at the start of each log, shape (n, m); None: no state
     begun: Array | None = None
 
     @property

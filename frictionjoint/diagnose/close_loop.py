@@ -31,18 +31,13 @@ _NO_RUNS: tuple[Runs | None, Runs | None] = (None, None)
 
 @dataclass(frozen=True)
 class Analysis:
-    """Outcome of one joint.
-
-    Attributes:
-        simulated: the fit that the model contains. kept_back: held-out logs, weighted by the final
-            fit. runs: of the first and of the final fit; None without a torque scale.
-    """
+    """Outcome of one joint."""
 
     report: Report
     trace: Trace
-    simulated: Fit
-    kept_back: Prepared | None
-    runs: tuple[Runs | None, Runs | None]
+    simulated: Fit  # what the model contains
+    kept_back: Prepared | None  # held-out logs, weighted by the final fit
+    runs: tuple[Runs | None, Runs | None]  # of the first and the final fit; None without a scale
 
 
 @one_thread

@@ -20,31 +20,22 @@ from frictionjoint.identify.segment import Prepared
 class Smallest:
     """The smallest effect of one kind that the logs would have shown, rms N m of its torque.
 
-    Attributes:
-        least, most: for the shape that is easiest to detect, and for the hardest; infinite if it
-            exceeds the measured torque, because the model can imitate the effect.
+    It is infinite beyond the measured torque, because the model can imitate the effect.
     """
 
     name: str
-    least: float
-    most: float
+    least: float  # for the shape that is easiest to detect
+    most: float  # for the hardest
 
 
 @dataclass(frozen=True)
 class DetectionLimit:
-    """The smallest detectable effect, of any kind and of each.
+    """The smallest detectable effect, of any kind and of each."""
 
-    Attributes:
-        torque: rms, N m, of an effect that the law cannot imitate, in motion.
-        duration: of the logs, s; needed: duration, s, of such motion that would reveal an effect
-            that makes half of the residual.
-        of_each: for every effect that the model lacks, easiest to detect first.
-    """
-
-    torque: float
-    duration: float
-    needed: float
-    of_each: tuple[Smallest, ...]
+    torque: float  # rms, N m, of an effect that the law cannot imitate, in motion
+    duration: float  # of the logs, s
+    needed: float  # s of such motion that would reveal an effect that makes half of the residual
+    of_each: tuple[Smallest, ...]  # for every effect that the model lacks, easiest to detect first
 
     @property
     def too_short(self) -> bool:

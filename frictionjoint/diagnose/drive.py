@@ -37,16 +37,11 @@ Ranked = tuple[float, EffectTerm]
 
 
 class Driven(NamedTuple):
-    """Effects of the drive that were tried on a model.
+    """Effects of the drive that were tried on a model."""
 
-    Attributes:
-        look: all of them, best first. tried: terms of the leaders with their scores, best first.
-        now: score of the model without them.
-    """
-
-    look: Look
-    tried: tuple[tuple[EffectTerm, Scored], ...]
-    now: Scored
+    look: Look  # all of them, best first
+    tried: tuple[tuple[EffectTerm, Scored], ...]  # terms of the leaders with scores, best first
+    now: Scored  # of the model without them
 
 
 def share_left(fitted: Fit) -> float:

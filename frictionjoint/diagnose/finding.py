@@ -16,26 +16,20 @@ from frictionjoint.identify.terms import Term
 
 @dataclass(frozen=True)
 class Finding:
-    """An effect that was added to the model.
+    """An effect that was added to the model."""
 
-    Attributes:
-        term: with its final shape. look: all candidates of the step that chose it; row: its own.
-        gain: fraction of the squared residual that it removes from motion unlike the motion it was
-            fitted to; its shape numbers were chosen without that motion too.
-        ties: effects that the logs cannot distinguish from it. rivals: effects nearly as good.
-        fit: the model right after it was added. forms: its other forms that explain as much.
-        against: the best other effect fitted in its place on the final model, and the difference of
-            their gains; None: see `look`.
-    """
-
-    term: Term
-    look: Look = field(repr=False)
-    row: Looked = field(repr=False)
+    term: Term  # with its final shape
+    look: Look = field(repr=False)  # all candidates of the step that chose it
+    row: Looked = field(repr=False)  # its own
+    # fraction of the squared residual that it removes from motion unlike the motion it was fitted
+    # to; its shape numbers were chosen without that motion too
     gain: float
-    ties: tuple[str, ...]
-    rivals: tuple[Term, ...]
-    fit: Fit = field(repr=False)
-    forms: tuple[Effect, ...] = ()
+    ties: tuple[str, ...]  # effects that the logs cannot distinguish from it
+    rivals: tuple[Term, ...]  # effects nearly as good
+    fit: Fit = field(repr=False)  # the model right after it was added
+    forms: tuple[Effect, ...] = ()  # its other forms that explain as much
+    # the best other effect fitted in its place on the final model, and the difference of their
+    # gains; None: see `look`
     against: tuple[str, float] | None = None
 
     @property
@@ -69,31 +63,21 @@ def finding_of(findings: Sequence[Finding], term: Term) -> Finding:
 
 @dataclass(frozen=True)
 class Trace:
-    """Outcome of the search.
+    """Outcome of the search."""
 
-    Attributes:
-        prepared: the logs with their final weights.
-        base: fit of the law alone. findings: added effects in order. final: the last fit.
-        unexplained: quantities on which the residual depends without a named effect, with the
-            fraction of the squared residual that they explain.
-        hints: possible causes of these, one sentence each. causes: those with a cause, by name.
-        last_look: candidates against the final residual.
-        other_laws: the final effects with each other law.
-        detection_limit: the smallest effect that the logs would have shown.
-        not_given: measured torque that did not act.
-    """
-
-    prepared: Prepared
-    base: Fit
-    findings: tuple[Finding, ...]
+    prepared: Prepared  # the logs with their final weights
+    base: Fit  # of the law alone
+    findings: tuple[Finding, ...]  # added effects in order
     final: Fit
+    # quantities on which the residual depends without a named effect, with the fraction of the
+    # squared residual that they explain
     unexplained: tuple[tuple[str, float], ...]
-    hints: tuple[str, ...]
-    last_look: Look
-    other_laws: Comparison
+    hints: tuple[str, ...]  # possible causes of these, one sentence each
+    last_look: Look  # candidates against the final residual
+    other_laws: Comparison  # the final effects with each other law
     detection_limit: DetectionLimit
-    not_given: tuple[NotGiven, ...] = ()
-    causes: Mapping[str, str] = field(default_factory=dict)
+    not_given: tuple[NotGiven, ...] = ()  # measured torque that did not act
+    causes: Mapping[str, str] = field(default_factory=dict)  # of `unexplained`, where known
 
     def as_fitted(self, kept_back: Prepared) -> Prepared:
         """Held-out logs, corrected for the instrument errors that were found in the fitted logs."""

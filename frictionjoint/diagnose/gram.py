@@ -28,29 +28,21 @@ Columns = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Screen:
-    """Terms of a fit, candidates and the target, all weighted.
+    """Terms of a fit, candidates and the target, all weighted."""
 
-    Attributes:
-        blocks: of the fit.
-        columns: the law projected out, shape (n, c), the target last.
-        tested: law and terms projected out, the residual last, shape (n, c).
-        white: the same, whitened, shape (n, c).
-        low, high: range of the coefficient of each column but the last, shape (c - 1,). To first
-            order, a shape number changes by no more than one search may change it.
-        begun: columns of the initial friction state of each log, shape (c - 1,): like the law's
-            they are fitted on all data.
-        terms: columns of each term of the fit. candidates: columns of each candidate.
-    """
-
-    blocks: Blocks
-    columns: Array
-    tested: Array
-    white: Array
+    blocks: Blocks  # of the fit
+    columns: Array  # the law projected out, shape (n, c), the target last
+    tested: Array  # law and terms projected out, the residual last, shape (n, c)
+    white: Array  # the same, whitened
+    # range of the coefficient of each column but the last, shape (c - 1,); to first order, a shape
+    # number changes by no more than one search may change it
     low: Array
     high: Array
+    # columns of the initial friction state of each log, shape (c - 1,): like the law's they are
+    # fitted on all data
     begun: NDArray[np.bool_]
-    terms: tuple[Columns, ...]
-    candidates: tuple[Columns, ...]
+    terms: tuple[Columns, ...]  # columns of each term of the fit
+    candidates: tuple[Columns, ...]  # columns of each candidate
 
     def held_out(self, sets: Sequence[Columns]) -> tuple[Array, Array]:
         """Sum of squares of each block with coefficients fitted without its fold.

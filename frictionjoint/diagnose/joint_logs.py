@@ -22,24 +22,17 @@ from frictionjoint.replay.loops import Loops
 
 @dataclass(frozen=True)
 class JointLogs:
-    """The logs of one joint as recorded and as prepared.
-
-    Attributes:
-        bodies, held_out_bodies: the joint's model in each log.
-        prepared, kept_back: fitted and held-out logs. controller: what drove the joint to its
-            target. loops: all logs in closed loop; None without a controller or a target.
-        notes: what a reader of the report must know of the logs.
-    """
+    """The logs of one joint as recorded and as prepared."""
 
     fitted: Sequence[JointLog]
     held_out: Sequence[JointLog]
-    bodies: Sequence[RigidBody]
+    bodies: Sequence[RigidBody]  # the joint's model in each log
     held_out_bodies: Sequence[RigidBody]
     prepared: Prepared
-    kept_back: Prepared | None
-    controller: Controller | None
-    loops: Loops | None
-    notes: tuple[str, ...]
+    kept_back: Prepared | None  # held-out logs
+    controller: Controller | None  # what drove the joint to its target
+    loops: Loops | None  # all logs in closed loop; None without a controller or a target
+    notes: tuple[str, ...]  # what a reader of the report must know of the logs
 
     @property
     def body(self) -> RigidBody:

@@ -24,18 +24,13 @@ _GROWTH, _FIRST = 20.0, 3.0
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a proposed motion.
+    """Limits of a proposed motion."""
 
-    Attributes:
-        low, high: rad (m). speed: rad/s. acceleration: rad/s^2.
-        beyond: how they exceed the logs, as text; empty if they do not.
-    """
-
-    low: float
+    low: float  # rad (m)
     high: float
-    speed: float
-    acceleration: float
-    beyond: str = ""
+    speed: float  # rad/s
+    acceleration: float  # rad/s^2
+    beyond: str = ""  # how they exceed the logs, as text; empty if they do not
 
     @property
     def reach(self) -> float:
@@ -45,24 +40,15 @@ class Limits:
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion to record.
+    """A motion to record."""
 
-    Attributes:
-        name: description with figures.
-        dt: s. position: shape (n,), rad (m), from rest in the middle of the range.
-        once: duration of one whole pass, s.
-        payload: fraction of the carried load to add.
-        temperature: deg C of the joint, None if no log contains it.
-        beyond: see `Limits`.
-    """
-
-    name: str
-    dt: float
-    position: Array
-    once: float
-    payload: float = 0.0
-    temperature: float | None = None
-    beyond: str = ""
+    name: str  # description with figures
+    dt: float  # s
+    position: Array  # rad (m), shape (n,), from rest in the middle of the range
+    once: float  # duration of one whole pass, s
+    payload: float = 0.0  # fraction of the carried load to add
+    temperature: float | None = None  # of the joint, deg C; None if no log contains it
+    beyond: str = ""  # see `Limits`
 
     @property
     def duration(self) -> float:

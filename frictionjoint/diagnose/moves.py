@@ -23,17 +23,12 @@ Kind = tuple[tuple[str, tuple[float, ...]], ...]
 
 
 class Move(NamedTuple):
-    """A change of a model.
+    """A change of a model."""
 
-    Attributes:
-        terms: after the change. added: candidates that are added. left: expected held-out sum of
-            squares of each block, shape (B,). seen: all candidates of the step that proposed it.
-    """
-
-    terms: tuple[Term, ...]
+    terms: tuple[Term, ...]  # after the change
     added: tuple[Candidate, ...]
-    left: Array
-    seen: "Look"
+    left: Array  # expected held-out sum of squares of each block, shape (B,)
+    seen: "Look"  # all candidates of the step that proposed it
 
     @property
     def unnamed(self) -> bool:
@@ -48,18 +43,13 @@ class Move(NamedTuple):
 
 
 class Looked(NamedTuple):
-    """The best shape of one kind of candidate.
-
-    Attributes:
-        left: sum of squares of each block, with the shape chosen without the block's fold, (B,).
-        p_value: of no effect, over the whole family of candidates and shapes.
-        frequency: how often it is the best effect on random halves of the data; 0 for unnamed
-            dependences, which adapt to the data.
-    """
+    """The best shape of one kind of candidate."""
 
     candidate: Candidate
-    left: Array
-    p_value: float
+    left: Array  # sum of squares of each block, with the shape chosen without its fold, shape (B,)
+    p_value: float  # of no effect, over the whole family of candidates and shapes
+    # how often it is the best effect on random halves of the data; 0 for unnamed dependences, which
+    # adapt to the data
     frequency: float
 
     @property
@@ -69,16 +59,11 @@ class Looked(NamedTuple):
 
 
 class Look(NamedTuple):
-    """All candidates for a fit, best first.
-
-    Attributes:
-        without: sum of squares of each block without a candidate, shape (B,).
-        chance: score that the best of the family exceeds by chance in one case of twenty.
-    """
+    """All candidates for a fit, best first."""
 
     rows: tuple[Looked, ...]
-    without: Array
-    chance: float
+    without: Array  # sum of squares of each block without a candidate, shape (B,)
+    chance: float  # score that the best of the family exceeds by chance in one case of twenty
 
     def gain(self, row: Looked | Move) -> float:
         """Fraction of the held-out sum of squares that a candidate, or a change, removes."""

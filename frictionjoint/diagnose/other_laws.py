@@ -180,15 +180,10 @@ class OtherLaws:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A fit compared with those of other laws.
+    """A fit compared with those of other laws."""
 
-    Attributes:
-        errors: name and error in motion of each other law, N m, smallest first.
-        differences: by name, of the parameters that laws share, for each law that does not leave
-            twice as much.
-    """
-
-    errors: tuple[tuple[str, float], ...]
+    errors: tuple[tuple[str, float], ...]  # name and error in motion, N m, smallest first
+    # by name, of the parameters that laws share, for each law that does not leave twice as much
     differences: tuple[dict[str, float], ...]
 
     def covariance(self, fitted: Fit) -> Array:

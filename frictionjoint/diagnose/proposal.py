@@ -44,17 +44,12 @@ _DEVIATIONS, _SHARE = 3.0, 0.04
 
 @dataclass(frozen=True)
 class Proposal:
-    """A recording to make.
+    """A recording to make."""
 
-    Attributes:
-        motion: cut to the proposed duration.
-        expected: evidence with this recording, if the first effect is true and if the second is.
-        now: evidence from the present logs.
-    """
-
-    motion: Motion
+    motion: Motion  # cut to the proposed duration
+    # evidence with this recording, if the first effect is true and if the second is
     expected: tuple[Separation, Separation]
-    now: tuple[Separation, Separation]
+    now: tuple[Separation, Separation]  # evidence from the present logs
 
     @property
     def distinguishes(self) -> bool:

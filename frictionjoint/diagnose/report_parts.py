@@ -228,10 +228,11 @@ def verdict(
         return "too-short-to-tell" if found.detection_limit.too_short else "no-effect-found"
     worse = diverges or any(a.worse_than(b) for b, a in zip(before, after, strict=True))
     contradicted = worse or after[0].only_fitted
+    if not found.findings or found.unexplained or contradicted:
+        return "partly-explained"
     final = found.final
-    own = (final.layout.of_term(i) for i in range(len(final.effects)))
-    at_a_bound = any(bool(final.bound[at].any()) for at in own)
-    if not found.findings or found.unexplained or contradicted or at_a_bound:
+    effects = (final.layout.of_term(i) for i in range(len(final.effects)))
+    if any(bool(final.bound[at].any()) for at in effects):
         return "partly-explained"
     noise, left = noise_floor(found.prepared, final.gain), final.rms_in_motion
     # an error far below an estimate of the noise contradicts the estimate

@@ -19,24 +19,15 @@ from frictionjoint.replay.windows import RUN_S
 
 @dataclass(frozen=True)
 class ResultingModel:
-    """The model that the logs lead to.
-
-    Attributes:
-        trace: of the search. fit: what the simulation model contains.
-        kept_back: held-out logs, corrected as the fitted ones.
-        load_shows: whether the load determines the gain of the drive. scaled: whether torques are
-            known in N m.
-        closed: whole logs in closed loop, by the first and the last fit to torque.
-        outcome, refined: of the refinement by simulation.
-    """
+    """The model that the logs lead to."""
 
     trace: Trace
-    fit: Fit
-    kept_back: Prepared | None
-    load_shows: bool
-    scaled: bool
-    closed: tuple[LoopErrors, ...]
-    outcome: Refined | None
+    fit: Fit  # what the simulation model contains
+    kept_back: Prepared | None  # held-out logs, corrected as the fitted ones
+    load_shows: bool  # whether the load determines the gain of the drive
+    scaled: bool  # whether torques are known in N m
+    closed: tuple[LoopErrors, ...]  # logs in closed loop, by the first and last fit to torque
+    outcome: Refined | None  # of the refinement by simulation
     refined: RefinedModel | None
 
     @property

@@ -14,15 +14,12 @@ from frictionjoint.identify.rounding import EQUAL
 
 @dataclass(frozen=True)
 class Scored:
-    """A fit with the sum of squares of each block, predicted by effects fitted to other folds,
-    (B,).
-
-    Attributes:
-        impossible: names of effects with a number that the logs push past its physical range.
-    """
+    """A fit with its score."""
 
     fit: Fit
+    # sum of squares of each block, predicted by effects fitted to other folds, shape (B,)
     squares: Array = field(repr=False)
+    # names of effects with a number that the logs push past its physical range
     impossible: frozenset[str] = frozenset()
 
     @property

@@ -78,14 +78,10 @@ def moments(U: Array, noise: Noise) -> Moments:
 
 @dataclass(frozen=True)
 class Effect:
-    """One of two rival effects.
+    """One of two rival effects."""
 
-    Attributes:
-        term: with its fitted shape. coefficients: N m per unit of its columns, see `columns_of`.
-    """
-
-    term: Term
-    coefficients: Array
+    term: Term  # with its fitted shape
+    coefficients: Array  # N m per unit of its columns, see `columns_of`
 
     @property
     def size(self) -> int:
@@ -114,15 +110,10 @@ class Effect:
 
 @dataclass(frozen=True)
 class Separation:
-    """How well two effects are distinguished.
+    """How well two effects are distinguished."""
 
-    Attributes:
-        deviations: difference of the two models' squared errors over its standard deviation.
-        share: fraction of what the true effect explains that the other one cannot explain.
-    """
-
-    deviations: float
-    share: float
+    deviations: float  # of the two models' squared errors, over its standard deviation
+    share: float  # of what the true effect explains, that the other one cannot explain
 
 
 def separation(sums: Moments, base: int, first: int, second: int) -> tuple[Separation, Separation]:

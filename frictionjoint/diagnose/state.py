@@ -28,14 +28,11 @@ MOST_CHANGES = 16
 
 @dataclass(frozen=True)
 class _Model:
-    """A model of some logs, with results that are used more than once.
-
-    Attributes:
-        refused: changes that were made and taken back, because nothing that they added was needed.
-    """
+    """A model of some logs, with results that are used more than once."""
 
     prepared: Prepared
     fit: Fit
+    # changes that were made and taken back, because nothing that they added was needed
     refused: set[Kind] = field(default_factory=set)
 
     @cached_property
@@ -51,29 +48,24 @@ class _Model:
 
 @dataclass
 class State:
-    """State of a search.
+    """State of a search."""
 
-    Attributes:
-        prepared: the logs with their present weights. fit: the model. findings: accepted effects.
-        look: the last step. laws: other friction laws.
-        law_errs: whether the score excludes the direction of possible errors of the law, see
-            `OtherLaws.errors`. Effects found this way are no errors of the law; effects that
-            another law could imitate are looked for afterwards.
-        unnamed: torque of dependences without a name that were removed from the model, N m, shape
-            (n, 1) each, at the samples of the logs. The score excludes these directions, because
-            what is known to be missing is no evidence against the effects that are named.
-        left_out: by name, why an effect was removed from the model. excluded: the same of effects
-            that were removed from a finished model, and are not added again.
-    """
-
-    prepared: Prepared
-    fit: Fit
-    findings: list[Finding]
-    look: Look
+    prepared: Prepared  # the logs with their present weights
+    fit: Fit  # the model
+    findings: list[Finding]  # accepted effects
+    look: Look  # the last step
     laws: OtherLaws
+    # whether the score excludes the direction of possible errors of the law, see
+    # `OtherLaws.errors`: effects found this way are no errors of the law; effects that another law
+    # could imitate are looked for afterwards
     law_errs: bool = True
+    # torque of dependences without a name that were removed from the model, N m, shape (n, 1) each,
+    # at the samples of the logs: the score excludes these directions, because what is known to be
+    # missing is no evidence against the effects that are named
     unnamed: tuple[Array, ...] = ()
+    # by name, why an effect was removed from the model
     left_out: dict[str, str] = field(default_factory=dict, repr=False)
+    # the same of effects removed from a finished model, which are not added again
     excluded: dict[str, str] = field(default_factory=dict, repr=False)
     _known: _Model | None = field(default=None, repr=False)
 

@@ -36,17 +36,13 @@ _SLOW = 1e-9
 
 @dataclass(frozen=True)
 class Compared:
-    """One parameter set.
+    """One parameter set."""
 
-    Attributes:
-        name: of its file. curves: (x, y) of the first of `PANELS`, shape (n,) each: all three, only
-            sliding for a law without presliding, none without a scale in N m.
-        figures: by name with its unit; text or a number.
-    """
-
-    name: str
+    name: str  # of its file
+    # (x, y) of the first of `PANELS`, shape (n,) each: all three, only sliding for a law without
+    # presliding, none without a scale in N m
     curves: tuple[tuple[Array, Array], ...]
-    figures: dict[str, float | str]
+    figures: dict[str, float | str]  # by name with its unit; text or a number
 
 
 def compared(read: Mapping[str, JointFriction]) -> list[Compared]:

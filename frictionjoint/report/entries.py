@@ -144,22 +144,15 @@ class Looked:
 
 @dataclass(frozen=True)
 class Torsion:
-    """The gear of one joint.
+    """The gear of one joint; an estimate is None if the logs do not show it."""
 
-    Attributes:
-        ratio: turns of the motor per turn of the link. twist_rms: without its mean, rad.
-        geared: by joint, turns of the motor with another joint relative to those with the link.
-        left_rms: rms of the unexplained twist, rad.
-        stiffness: K, N m/rad (N/m). backlash: b, rad. hysteresis: 2 h, rad.
-        link_position_older: delay T of the link's position with respect to the motor's, s. Each is
-            None if the logs do not show it.
-    """
-
-    ratio: float
+    ratio: float  # turns of the motor per turn of the link
+    # by joint, turns of the motor with another joint relative to those with the link
     geared: dict[str, float]
-    twist_rms: float
-    left_rms: float
-    stiffness: Estimate | None
-    backlash: Estimate | None
-    hysteresis: Estimate | None
+    twist_rms: float  # without its mean, rad
+    left_rms: float  # of the unexplained twist, rad
+    stiffness: Estimate | None  # K, N m/rad (N/m)
+    backlash: Estimate | None  # b, rad
+    hysteresis: Estimate | None  # 2 h, rad
+    # delay T of the link's position with respect to the motor's, s
     link_position_older: Estimate | None

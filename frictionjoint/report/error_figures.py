@@ -20,20 +20,14 @@ _NO_NOISE = "The noise of the instruments cannot be determined from these logs."
 
 @dataclass(frozen=True)
 class ErrorRow:
-    """An error before or after, on fitted and held-out logs.
+    """An error before or after, on fitted and held-out logs."""
 
-    Attributes:
-        quantity: what is predicted. stage: "before" or "after". unit: of the values.
-        values: by role, None if not stated. fractions: of the drive by role, as text.
-        interval: 95%, of the held-out logs if there are any.
-    """
-
-    quantity: str
+    quantity: str  # what is predicted
     stage: Stage
-    unit: str
-    values: dict[str, float | None]
-    fractions: dict[str, str] = field(default_factory=dict)
-    interval: tuple[float, float] | None = None
+    unit: str  # of the values
+    values: dict[str, float | None]  # by role, None if not stated
+    fractions: dict[str, str] = field(default_factory=dict)  # of the drive by role, as text
+    interval: tuple[float, float] | None = None  # 95%, of the held-out logs if there are any
 
     def text(self, role: str) -> str:
         """The value with unit and fraction."""

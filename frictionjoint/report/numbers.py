@@ -44,21 +44,21 @@ def estimates(parameters: Content) -> dict[str, Estimate]:
 
 def result_estimates(content: Content) -> dict[str, Estimate]:
     """Estimates of the resulting law: those of the refinement if it is the result."""
-    refined = content.get("refined")
-    if refined and refined["taken"]:
-        return {n: x for n, x in estimates(refined["parameters"]).items() if " " not in n}
-    return estimates(content["after"]["parameters"])
+    own = {name: x for name, x in _refined(content).items() if " " not in name}
+    return own or estimates(content["after"]["parameters"])
 
 
 def effect_estimates(content: Content, added: Content) -> dict[str, Estimate]:
     """Estimates of an added effect of the result."""
-    own = estimates(added["parameters"])
+    prefix, found = added["effect"] + " ", _refined(content)
+    own = {n.removeprefix(prefix): x for n, x in found.items() if n.startswith(prefix)}
+    return estimates(added["parameters"]) | own
+
+
+def _refined(content: Content) -> dict[str, Estimate]:
+    """Estimates of the refinement if it is the result; those of effects begin with their names."""
     refined = content.get("refined")
-    if refined and refined["taken"]:
-        prefix = added["effect"] + " "
-        found = estimates(refined["parameters"])
-        own |= {n.removeprefix(prefix): x for n, x in found.items() if n.startswith(prefix)}
-    return own
+    return estimates(refined["parameters"]) if refined and refined["taken"] else {}
 
 
 def law_numbers(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
@@ -71,13 +71,8 @@ def law_numbers(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
 
 def friction_card(law: Mapping[str, Estimate]) -> tuple[Number, ...]:
     """The friction numbers in the order of a report."""
-    rows = law_numbers(law)
-    return tuple(
-        row
-        for symbol in _CARD
-        for row in rows
-        if row.name.removesuffix("_pos").removesuffix("_neg") == symbol
-    )
+    rows = [(row.name.removesuffix("_pos").removesuffix("_neg"), row) for row in law_numbers(law)]
+    return tuple(row for symbol in _CARD for name, row in rows if name == symbol)
 
 
 def with_unit(x: Estimate) -> str:

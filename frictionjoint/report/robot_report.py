@@ -23,19 +23,14 @@ UNITS_SCHEMA = "frictionjoint/units-1"
 
 @dataclass(frozen=True)
 class Excitation:
-    """A trajectory.
-
-    Attributes:
-        joints: names. slides: whether each is a slide.
-        time: s, shape (n,). q: positions, shape (n, joints).
-        fall: ratio of the standard errors of the base parameters after and before it: median, and
-            that of the parameter with the largest error.
-    """
+    """A trajectory."""
 
     joints: tuple[str, ...]
-    slides: tuple[bool, ...]
-    time: Array
-    q: Array
+    slides: tuple[bool, ...]  # whether each joint is a slide
+    time: Array  # s, shape (n,)
+    q: Array  # positions, shape (n, joints)
+    # ratio of the standard errors of the base parameters after and before it: median, and that of
+    # the parameter with the largest error
     fall: tuple[float, float]
 
     def csv(self) -> str:
