@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from frictionjoint.diagnose.determined import standard_errors, undetermined
-from frictionjoint.effects.backlash import EFFECT as BACKLASH
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.drive import COMMAND_DELAY, GAIN_ERROR
+from frictionjoint.effects.gear import BACKLASH
 from frictionjoint.effects.temperature_dependent import EFFECT as FALLING
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import term_estimates

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from acting import acting, name, torques
 
-from frictionjoint.effects import backlash, warm_up_drift
+from frictionjoint.effects import warm_up_drift
 from frictionjoint.effects.friction_level import DWELL_TIME
+from frictionjoint.effects.gear import BACKLASH
 from frictionjoint.effects.kernel import columns, scales_level
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, ONSET, TIME, H, Q, V
 
@@ -80,7 +81,7 @@ def test_a_link_falls_freely_through_its_gap():
     signals[1:, DT] = dt
     signals[:, GEAR] = np.where(signals[:, TIME] < 0.1, -pull, pull)
     shape = (gap, 200.0, 0.7, 0.0)
-    transmitted = columns(backlash.EFFECT.effect_id, shape, 1, signals)[:, 0] + signals[:, GEAR]
+    transmitted = columns(BACKLASH.effect_id, shape, 1, signals)[:, 0] + signals[:, GEAR]
     assert transmitted[950] == pytest.approx(-pull, rel=1e-3)
     turned = int(np.argmax(signals[:, GEAR] > 0.0))
     impact = turned + int(np.argmax(transmitted[turned:] > pull))

@@ -5,7 +5,7 @@ import pytest
 from command_line import run
 
 import frictionjoint as fj
-from frictionjoint.effects import joint_elasticity
+from frictionjoint.effects.gear import JOINT_ELASTICITY
 from frictionjoint.errors import ModelError
 from frictionjoint.files import toml_text
 from frictionjoint.joint_friction import SimulatedEffect
@@ -65,7 +65,7 @@ def test_friction_is_replaced_when_asked_and_takes_no_more_room():
 
 def test_friction_of_an_elastic_joint_is_replaced_with_its_spring():
     def elastic(frequency: float) -> dict[str, list[SimulatedEffect]]:
-        return {"slide": [SimulatedEffect(joint_elasticity.EFFECT, (frequency, 0.05), (1.0,))]}
+        return {"slide": [SimulatedEffect(JOINT_ELASTICITY, (frequency, 0.05), (1.0,))]}
 
     replaced, fresh = hand(), hand()
     fj.install(replaced, {"slide": law(1.5)}, elastic(10.0))

@@ -10,7 +10,7 @@ from plants.spec import Effect, Friction, Motion
 from round_trip_joint import joint_trip, plant
 from trial_logs import PENDULUM
 
-from frictionjoint.effects import joint_elasticity
+from frictionjoint.effects.gear import JOINT_ELASTICITY
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.starts import fit
@@ -56,7 +56,7 @@ def test_all_of_gravity_hangs_behind_a_spring_whatever_the_model_lumps_together(
     )
     logs = [read_log(path, "joint") for path in write(simulate(spec), tmp_path)]
     mjcf = (tmp_path / "joint.xml").read_text()
-    term = EffectTerm(joint_elasticity.EFFECT, (5.0, 0.05))
+    term = EffectTerm(JOINT_ELASTICITY, (5.0, 0.05))
     apart, together = (
         fit(prepare(logs, RigidBody(text, "joint")), (term,)) for text in (mjcf, lumped(mjcf))
     )

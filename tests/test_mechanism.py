@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.effects import backlash, joint_elasticity
+from frictionjoint.effects.gear import BACKLASH, JOINT_ELASTICITY
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.rivals import StaticParameters
@@ -42,7 +42,7 @@ def installed(spec, *effects):
     return model
 
 
-ELASTIC = (joint_elasticity.EFFECT, (RESONANCE, RATIO), (LINK,))
+ELASTIC = (JOINT_ELASTICITY, (RESONANCE, RATIO), (LINK,))
 
 
 @pytest.mark.parametrize("case", BODIES)
@@ -75,7 +75,7 @@ def test_the_frequency_response_is_that_of_two_masses(case):
 
 def test_gravity_bends_the_spring():
     hanging = spec_of('pos="0.2 0 0" mass="1.5" diaginertia="0.01 0.01 0.01"', 0.01, gravity=9.81)
-    model = installed(hanging, (joint_elasticity.EFFECT, (RESONANCE, 0.2), (0.07,)))
+    model = installed(hanging, (JOINT_ELASTICITY, (RESONANCE, 0.2), (0.07,)))
     data = mujoco.MjData(model)
     with fj.attach(model):
         for _ in range(4000):
@@ -92,7 +92,7 @@ def test_a_gap_keeps_its_energy(step, integrator):
     spec = spec_of('pos="0.2 0 0" mass="1.25" diaginertia="1e-9 1e-9 1e-9"', rotor, step)
     spec.option.integrator = getattr(mujoco.mjtIntegrator, integrator)
     still = StaticParameters.symmetric(Fs=1e-9, Fc=1e-9, Vs=0.1, sigma2=0.0, V0=1e-3)
-    play = SimulatedEffect(backlash.EFFECT, (gap * inertia, flank, 1e-12, 0.0), (1.0,))
+    play = SimulatedEffect(BACKLASH, (gap * inertia, flank, 1e-12, 0.0), (1.0,))
     fj.install(spec, {"j": still}, {"j": [play]})
     model = spec.compile()
     data, energies = mujoco.MjData(model), []
@@ -112,7 +112,7 @@ def test_a_gap_keeps_its_energy(step, integrator):
 
 def test_in_the_gap_nothing_acts_and_beyond_it_the_flank_holds():
     spec = spec_of('pos="0.2 0 0" mass="1.25" diaginertia="1e-9 1e-9 1e-9"', 0.02, gravity=9.81)
-    model = installed(spec, (backlash.EFFECT, (1e-3, 16.0, 0.3, 0.0), (1.0,)))
+    model = installed(spec, (BACKLASH, (1e-3, 16.0, 0.3, 0.0), (1.0,)))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     held = 1.25 * 9.81 * 0.2
@@ -127,9 +127,7 @@ def test_in_the_gap_nothing_acts_and_beyond_it_the_flank_holds():
 
 def test_what_cannot_be_said_is_refused_or_warned_of():
     with pytest.warns(RuntimeWarning, match="its spring of 200 Hz is softened to"):
-        installed(
-            spec_of(*BODIES["in the armature"]), (joint_elasticity.EFFECT, (200.0, 0.05), (0.03,))
-        )
+        installed(spec_of(*BODIES["in the armature"]), (JOINT_ELASTICITY, (200.0, 0.05), (0.03,)))
     two = '<joint name="other" axis="0 1 0"/>'
     spec = spec_of(*BODIES["in the armature"], more=two)
     with pytest.raises(ModelError, match="'other' of the same body comes after it"):

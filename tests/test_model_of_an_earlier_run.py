@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import frictionjoint as fj
-from frictionjoint.effects import joint_elasticity
+from frictionjoint.effects.gear import JOINT_ELASTICITY
 from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.joint_friction import SimulatedEffect
@@ -24,7 +24,7 @@ ARM = """
         <geom type="capsule" fromto="0 0 0 0 0 -.3" size=".03"/></body></body>
   </worldbody>
 </mujoco>"""
-ELASTIC = SimulatedEffect(joint_elasticity.EFFECT, (30.0, 0.05), (0.004,))
+ELASTIC = SimulatedEffect(JOINT_ELASTICITY, (30.0, 0.05), (0.004,))
 
 
 def earlier(effects=()) -> str:

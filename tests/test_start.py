@@ -8,7 +8,7 @@ from plants.plant import simulate, write
 from plants.spec import Effect, Motion
 from trial_logs import PENDULUM
 
-from frictionjoint.effects import joint_elasticity
+from frictionjoint.effects.gear import JOINT_ELASTICITY
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
@@ -74,7 +74,7 @@ def swinging(tmp_path_factory):
 
 def test_a_link_that_swings_when_a_log_begins_is_followed(swinging):
     """Without its swing the fit would take another damping for it."""
-    term = EffectTerm(joint_elasticity.EFFECT, (5.0, 0.1))
+    term = EffectTerm(JOINT_ELASTICITY, (5.0, 0.1))
     weighted, from_rest = reweighed(swinging, fit(swinging, (term,)))
     begun, found = reweighed(*settled(weighted, from_rest))
     assert any(begun.segments[0].swing)

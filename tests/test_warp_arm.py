@@ -11,8 +11,9 @@ import pytest
 from acting import ARM, LAW, acting, arm, ctrl, name, natively, torques
 
 import frictionjoint as fj
-from frictionjoint.effects import backlash, joint_elasticity, measurement_delay
+from frictionjoint.effects import measurement_delay
 from frictionjoint.effects.effect import Effect
+from frictionjoint.effects.gear import BACKLASH, JOINT_ELASTICITY
 from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.refine.posterior import Posterior
@@ -164,9 +165,9 @@ def test_parameters_drawn_from_a_posterior_serve_a_world_each():
 
 def test_elasticity_backlash_and_late_sensors_are_mujoco_s_own_and_act_here_too():
     spec = mujoco.MjSpec.from_string(ARM)
-    elastic = SimulatedEffect(joint_elasticity.EFFECT, (12.0, 0.03), (0.03,))
+    elastic = SimulatedEffect(JOINT_ELASTICITY, (12.0, 0.03), (0.03,))
     late = SimulatedEffect(measurement_delay.EFFECT, (0.004,), ())
-    gap = SimulatedEffect(backlash.EFFECT, (2e-4, 20.0, 0.1, 0.0), (0.5,))
+    gap = SimulatedEffect(BACKLASH, (2e-4, 20.0, 0.1, 0.0), (0.5,))
     fj.install(spec, {"a": LAW, "b": LAW}, {"a": [elastic, late], "b": [gap]})
     model = spec.compile()
     m, d = mjw.put_model(model), mjw.make_data(model, nworld=1)

@@ -31,8 +31,6 @@ from frictionjoint.replay.free_runs import Replay, friction_of, friction_spec, r
 from frictionjoint.report.entries import LogEntry, SimulatedPosition
 from frictionjoint.report.joint_report import Report
 
-# where no torque is known, nothing can be replayed: before and after
-_NO_REPLAY = [Rms(None, None), Rms(None, None)]
 # free runs on fitted and on held-out logs
 Runs = tuple[Replay, Replay | None]
 
@@ -59,7 +57,8 @@ def build_report(
     if scaled:
         friction_spec(spec, body.joint, model.fit)
     spec.compile()
-    before, after = [replay_rms(*run) for run in runs] or _NO_REPLAY
+    # where no torque is known, nothing can be replayed
+    before, after = [replay_rms(*run) for run in runs] or [Rms(None, None)] * 2
     diverges = any(r is not None and r.diverges for r in (runs[1] if runs else ()))
     torque = [parts.torque_rms(moving, kept_back, f, final.scale) for f in (base, final)]
     estimates = law_estimates(final, cov, body.slide)

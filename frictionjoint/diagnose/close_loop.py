@@ -26,8 +26,6 @@ from frictionjoint.report.entries import SimulatedPosition
 from frictionjoint.report.joint_report import Report
 from frictionjoint.threads import one_thread
 
-_NO_RUNS: tuple[Runs | None, Runs | None] = (None, None)
-
 
 @dataclass(frozen=True)
 class Analysis:
@@ -78,7 +76,8 @@ def explain(
     progress("comparing the recordings")
     report = _compare_recordings(report, prepared, ends)
     simulated = model.fit if model.scaled else found.final
-    return Analysis(report, found, simulated, kept_back, (runs[0], runs[1]) if runs else _NO_RUNS)
+    both = (runs[0], runs[1]) if runs else (None, None)
+    return Analysis(report, found, simulated, kept_back, both)
 
 
 def _search(logs: JointLogs, seed: int, progress: Callable[[str], None], law: str | None) -> Trace:

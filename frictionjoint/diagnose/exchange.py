@@ -86,13 +86,13 @@ def try_other_effects(state: State) -> None:
         now, instead = scored(state.fit, blocks), scored(other, blocks)
         simpler = numbers_of(best.term) < most and as_good(instead, now)
         if simpler and improves(instead, scored(without(state, own[i]), blocks)):
-            _exchange(state, own[i], partial(_instead, term=best.term), other)
+            _exchange(state, own[i], best.term, other)
         elif not distinguishable(now, instead):
             names = [effect.name for effect in (*CATALOGUE, *DRIVE_EFFECTS)]
             first = names.index(best.term.name) < names.index(own[i].name)
             first = first and not now.better(instead)
             if first and not _clearly_better_alone(state, own[i], best.term, blocks):
-                _exchange(state, own[i], partial(_first_of_tie, term=best.term), other)
+                _exchange(state, own[i], best.term, other, tied=True)
             else:
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
 
@@ -137,7 +137,7 @@ def settle_ties(state: State) -> None:
             if as_good(instead, now):
                 _change(state, own[i], partial(Finding.tied_with, term=best.term))
         elif any(best.term.name in f.ties for f in state.findings if f.term.name == own[i].name):
-            _exchange(state, own[i], partial(_first_of_tie, term=best.term), other)
+            _exchange(state, own[i], best.term, other, tied=True)
 
 
 def _candidate(fitted: Fit, i: int) -> Candidate:
@@ -232,15 +232,15 @@ def _change(state: State, term: Term, change: Callable[[Finding], Finding]) -> N
     state.findings = [change(f) if f is own else f for f in state.findings]
 
 
-def _exchange(state: State, term: Term, change: Callable[[Finding], Finding], other: Fit) -> None:
-    """Use the model `other`, and `change` the finding of the effect that it replaces."""
-    _change(state, term, change)
-    state.prepared, state.fit = reweighed(state.prepared, other)
+def _exchange(state: State, term: Term, instead: Term, model: Fit, tied: bool = False) -> None:
+    """Use a model with another effect in place of one of its effects, and tied with it or not."""
 
+    def changed(finding: Finding) -> Finding:
+        new = _instead(finding, instead)
+        return new.tied_with(finding.term) if tied else new
 
-def _first_of_tie(finding: Finding, term: Term) -> Finding:
-    """A finding of an effect, rewritten for an effect that it is tied with."""
-    return _instead(finding, term).tied_with(finding.term)
+    _change(state, term, changed)
+    state.prepared, state.fit = reweighed(state.prepared, model)
 
 
 def _with_form(finding: Finding, other: Term) -> Finding:

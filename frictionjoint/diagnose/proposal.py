@@ -82,11 +82,6 @@ class Planner:
         self.presliding = fitted.coefficient("Fc") / law.stiffness if law.stiffness else 0.0
         self._tried: dict[Limits, list[tuple[Motion, Prepared, Array]]] = {}
 
-    @property
-    def at_rest(self) -> bool:
-        """Whether the logs contain no motion; speeds taken from them would be noise."""
-        return 2.0 * self.limits.reach <= least_travel(self.prepared)
-
     def distinguishing(self, i: int, other: Term) -> Proposal | None:
         """The shortest recording expected to distinguish term i of the fit from another term.
 
@@ -226,7 +221,8 @@ def computed_proposals(
             it.
         cov: of all parameters of the fit. law: estimates of its parameters.
     """
-    if planner.at_rest:
+    # without motion, speeds taken from the logs would be noise
+    if 2.0 * planner.limits.reach <= least_travel(planner.prepared):
         return {
             ("at rest",): "In these logs the joint moves no more than the noise of its position: "
             "record motion."

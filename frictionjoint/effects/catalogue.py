@@ -8,10 +8,9 @@ import copyreg
 from typing import Any
 
 from frictionjoint.effects import (
-    backlash,
     friction_level,
+    gear,
     heating,
-    joint_elasticity,
     measurement_delay,
     motor,
     nonlinear_viscous,
@@ -39,8 +38,8 @@ CATALOGUE: tuple[Effect, ...] = (
     *temperature_dependent.FORMS,
     *warm_up_drift.FORMS,
     measurement_delay.EFFECT,
-    joint_elasticity.EFFECT,
-    backlash.EFFECT,
+    gear.JOINT_ELASTICITY,
+    gear.BACKLASH,
     friction_level.FRICTIONAL_LAG,
     friction_level.DWELL_TIME,
     position.UPPER_STOP,

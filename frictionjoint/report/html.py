@@ -13,12 +13,10 @@ from markupsafe import Markup
 from frictionjoint.arrays import Array
 from frictionjoint.report.charts import Chart
 
-_MADE_BY = ("frictionjoint", "mujoco", "numpy", "scipy")
-
 
 def versions() -> dict[str, str]:
     """Versions of the software that makes a report, by name."""
-    found = {name: version(name) for name in _MADE_BY}
+    found = {name: version(name) for name in ("frictionjoint", "mujoco", "numpy", "scipy")}
     return found | {"Python": platform.python_version()}
 
 

@@ -30,7 +30,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.effect import Effect
-from frictionjoint.effects.joint_elasticity import EFFECT as ELASTICITY
+from frictionjoint.effects.gear import JOINT_ELASTICITY as ELASTICITY
 from frictionjoint.errors import ModelError
 from frictionjoint.model_joints import mass_at_start
 from frictionjoint.simulate.native_friction import set_first

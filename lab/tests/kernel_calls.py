@@ -31,7 +31,7 @@ from frictionjoint.control import kernel as control
 from frictionjoint.control.profile import followed
 from frictionjoint.control.reconstruct import fill_mean_drives
 from frictionjoint.effects.catalogue import CATALOGUE, SIMULATED
-from frictionjoint.effects.joint_elasticity import free_swing
+from frictionjoint.effects.gear import free_swing
 from frictionjoint.effects.kernel import columns, torques
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, A, H, Q, V
 from frictionjoint.identify.blocks import gram_matrices
