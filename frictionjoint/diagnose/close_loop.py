@@ -65,8 +65,7 @@ def explain(
     prepared = prepare_logs(logs, held_out, bodies, controller)
     model = resulting_model(prepared, _search(prepared, seed, progress, law), refine, progress)
     found = model.trace
-    cov = stated_covariance(found.prepared, found.final)
-    cov = cov + found.other_laws.covariance(found.final)
+    cov = stated_covariance(found.prepared, found.final) + found.other_laws.covariance(found.final)
     left = errors_elsewhere(found.prepared, found.final, cov)
     kept_back = weighted(model.kept_back, found.final, left) if model.kept_back else None
     progress("simulating the logs")
@@ -90,8 +89,7 @@ def _search(logs: JointLogs, seed: int, progress: Callable[[str], None], law: st
         whole = simulated_whole(fitted, logs.body.armature, in_closed_loop=True)
         return window_squares(logs.loops.fit, fitted) if whole else None
 
-    by_motion = logs.loops is not None
-    return trace(logs.prepared, seed, progress, law, replayed, by_motion=by_motion)
+    return trace(logs.prepared, seed, progress, law, replayed, by_motion=logs.loops is not None)
 
 
 def _simulate(
@@ -108,13 +106,12 @@ def _simulate(
         return runs, parts.followed_positions(model.closed[0], after)
     if not model.scaled:
         return [], ()
-    runs = []
-    for on, kept, fitted in (
-        (logs.prepared, logs.kept_back, found.base),
-        (found.prepared, model.kept_back, model.fit),
-    ):
-        held = replay(kept, logs.held_out_bodies, fitted) if kept else None
-        runs.append((replay(on, logs.bodies, fitted), held))
+    first = logs.prepared, logs.kept_back, found.base
+    last = found.prepared, model.kept_back, model.fit
+    runs = [
+        (replay(on, logs.bodies, f), replay(kept, logs.held_out_bodies, f) if kept else None)
+        for on, kept, f in (first, last)
+    ]
     return runs, parts.simulated_positions(found.prepared, model.kept_back, runs)
 
 

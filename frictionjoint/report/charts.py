@@ -8,6 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from frictionjoint.arrays import Array, root_mean_square
+from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.law.motion import friction_torque, presliding_distance
 from frictionjoint.parameters import Friction
 from frictionjoint.report.entries import Curve, SimulatedPosition
@@ -23,8 +24,6 @@ LAW_COLOURS: tuple[LawColour, ...] = get_args(LawColour)
 
 # points of a line or a cloud, so that a page stays small
 _POINTS = 3000
-# order in which a reader meets the quantities that an error may depend on
-_QUANTITIES = ("position", "velocity", "acceleration", "load", "time", "temperature_c")
 # samples needed before sliding at a steady speed is reached, and its longest path, rad (m)
 _PATH = np.concatenate([[0.0], np.geomspace(1e-9, 10.0, 800)])
 
@@ -202,8 +201,8 @@ def presliding(report: Report) -> Chart | None:
 def error_charts(report: Report) -> tuple[tuple[Chart, ...], tuple[Chart, ...]]:
     """Error against measured quantities; then charts of other joints, which explain nothing."""
     found = {name for c in report.curves for name in c.quantities}
-    left = [n for n, _ in report.unexplained if n in found and n not in _QUANTITIES]
-    first = [n for n in _QUANTITIES if n in found] + left
+    left = [n for n, _ in report.unexplained if n in found and n not in VARIABLES]
+    first = [n for n in VARIABLES if n in found] + left
     others = sorted(found - set(first))
     return tuple(_against(report, n) for n in first), tuple(_against(report, n) for n in others)
 
