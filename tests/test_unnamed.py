@@ -9,30 +9,32 @@ import pytest
 from frictionjoint.diagnose import outcome
 from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.score import Scored
+from frictionjoint.effects.spring import EFFECT as SPRING
 from frictionjoint.identify.instruments import MissingTerm
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.smooth import SplineTerm
 from frictionjoint.identify.starts import fit
+from frictionjoint.identify.terms import EffectTerm
 from tests.three_sines import INERTIA, A, Q, T, V, logged
 
 
-def test_they_are_those_of_the_samples_that_are_left(tmp_path):
-    """Without samples at a sensor's limit a direction had another length, and was forgotten."""
-    friction = np.sign(V) * np.minimum(np.abs(V) / 0.02, 1.0)
-    torque = INERTIA * A + friction + 0.3 * Q**3
+def test_they_are_those_of_the_samples_that_are_left_without_what_effects_explain(tmp_path):
+    """Directions were forgotten for their length, or took the evidence of effects next to them."""
+    torque = INERTIA * A + np.sign(V) * np.minimum(np.abs(V) / 0.02, 1.0) + 0.3 * Q**3
     torque += 0.05 * np.random.default_rng(2).standard_normal(len(T))
     before = logged(tmp_path, torque)
-    limit = np.where(np.abs(before.segments[0].drive) > 1.5, 1.0, 0.0)
-    before = replace(before, segments=(replace(before.segments[0], saturated=limit),))
-    terms = SplineTerm("position", -1.7, 1.7), MissingTerm("torque")
-    found = refit(before, terms, fit(before).shape)
-    now = before.without_limits()
-    assert 0 < len(now.log_index) < len(before.log_index)
-    (whole,) = outcome._unnamed_torque(before, found, before)
-    (left,) = outcome._unnamed_torque(before, found, now)
-    assert left.shape == (len(now.log_index), 1)
-    still = now.segments[0].kept[before.segments[0].kept]
-    np.testing.assert_array_equal(left, whole[still])
+    log, past = before.segments[0], 1.0 * (np.abs(before.segments[0].drive) > 1.5)
+    before = replace(before, segments=(replace(log, saturated=past),))
+    terms = EffectTerm(SPRING), SplineTerm("position", -1.7, 1.7), MissingTerm("torque")
+    found, now = refit(before, terms, fit(before).shape), before.without_limits()
+    named = refit(now, terms[:1], found.shape)
+    (left,) = outcome._unnamed_torque(before, found, now, named)
+    assert left.shape == (len(now.log_index), 1) < (len(before.log_index), 1)
+    stiffness, direction, residual = (
+        x[:, 0] * named.weight / np.linalg.norm(x[:, 0] * named.weight)
+        for x in (named.jacobian[:, named.layout.coefficients(0)], left, named.residual[:, None])
+    )
+    assert abs(direction @ stiffness) < 1e-9 < 0.7 < direction @ residual
 
 
 @pytest.mark.parametrize(("its", "tied"), [(0.05, False), (0.31, True)])

@@ -21,6 +21,8 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, compared, distinguishable, without
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.assumptions import with_assumptions
+from frictionjoint.identify.basis import lengths
+from frictionjoint.identify.basis import without as projected_out
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_delivered
@@ -64,7 +66,11 @@ def finish_search(
             alike = quantities_alike(state, blocks, i)
             for name, its in alike.items():
                 unexplained[name] = max(its, unexplained.get(name, 0.0))
-            hints += [_alike_hint(term.name, name) for name in alike]
+            hints += [
+                f"These logs do not show whether {term.name.removesuffix('_c')} or "
+                f"{name.removesuffix('_c')} is the cause, because both fit equally well."
+                for name in alike
+            ]
             if not state.prepared.gain_unknown and not isinstance(term, ExcessTerm):
                 unit, _ = units_of(state.fit, state.prepared.slide)
                 hints.append(term.says(state.fit.term_coefficients(i), unit))
@@ -76,7 +82,7 @@ def finish_search(
     if unexplained:
         before, with_unnamed = state.prepared, state.fit
         not_given = _without_unnamed(state, replayed)
-        state.unnamed = _unnamed_torque(before, with_unnamed, state.prepared)
+        state.unnamed = _unnamed_torque(before, with_unnamed, state.prepared, state.fit)
         unit, _ = units_of(state.fit, state.prepared.slide)
         causes |= {term.name: term.says(np.array([x]), unit) for term, x in not_given}
         hints += [causes[term.name] for term, _ in not_given]
@@ -136,23 +142,17 @@ def _settled(
     return final_evidence(state, rng)
 
 
-def _alike_hint(one: str, other: str) -> str:
-    first, second = (name.removesuffix("_c") for name in (one, other))
-    return (
-        f"These logs do not show whether {first} or {second} is the cause, because both fit "
-        "equally well."
-    )
-
-
-def _unnamed_torque(before: Prepared, fitted: Fit, now: Prepared) -> tuple[Array, ...]:
+def _unnamed_torque(before: Prepared, fitted: Fit, now: Prepared, named: Fit) -> tuple[Array, ...]:
     """Torque of the unnamed terms of a fit at the samples that its logs still contain, (n, 1) each.
 
-    Torque that a saturated sensor does not measure acts only at samples that are left out.
+    What the model without them, `named`, could explain of it is evidence for its effects. Torque
+    that a saturated sensor does not measure acts only at samples that are left out.
     """
     pairs = zip(before.segments, now.segments, strict=True)
     still = np.concatenate([new.kept[old.kept] for old, new in pairs])
+    w, known = named.weight, named.free_jacobian * named.weight[:, None]
     return tuple(
-        fitted.term_torque(i)[still, None]
+        (projected_out(fitted.term_torque(i)[still] * w, known / lengths(known)) / w)[:, None]
         for i, term in enumerate(fitted.terms)
         if isinstance(term, SmoothTerm) and not isinstance(term, MissingTerm)
     )
