@@ -12,6 +12,7 @@ from trial_logs import PENDULUM, prepared_logs
 from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN
 from frictionjoint.diagnose.detection_limit import smallest
 from frictionjoint.diagnose.library import effects
+from frictionjoint.diagnose.outcome import finish_search
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.signals import Q
 from frictionjoint.identify.blocks import make_blocks
@@ -64,7 +65,12 @@ def test_what_is_there_is_found_alone_with_its_size(effects, expected, tmp_path)
 
 
 @pytest.mark.parametrize(("size", "N"), [({"amplitude": 0.15}, 4.0), ({"level": 0.3}, 6.0)])
-def test_a_wave_as_long_as_the_travel_is_named_if_it_predicts_more_than_a_curve(size, N, tmp_path):
+def test_a_wave_as_long_as_the_travel_is_named_and_not_a_curve(size, N, tmp_path, monkeypatch):
+    def finish(state, *others):
+        state.left_out["position-periodic"] = "another wave was in the model too"
+        return finish_search(state, *others)
+
+    monkeypatch.setattr("frictionjoint.diagnose.trace.finish_search", finish)
     found = traced(tmp_path, Effect("position-periodic", {**size, "cycles": N, "phase": 0.4}))
     assert found.prepared.span * N < 2.0 * np.pi  # not one wave in the longest log
     (step,) = found.findings

@@ -80,10 +80,12 @@ def trace(
         # finishing changes the model; the search goes on from the one before
         ended = replace(state, left_out={})
         found = finish_search(ended, (prepared, alone), replayed, by_motion, rng)
-        if ended.left_out.keys() <= state.excluded.keys():
+        # of two waves one may go: the other one is no reason to search without both
+        gone = {x: why for x, why in ended.left_out.items() if x not in _names(ended)}
+        if gone.keys() <= state.excluded.keys():
             return found
         # an effect that was removed may have hidden another one from the search
-        state.excluded |= ended.left_out
+        state.excluded |= gone
         stays = tuple(t for t in state.fit.effects if t.name not in state.excluded)
         state.prepared, state.fit = reweighed(state.prepared, with_fewer(state, stays))
         state.forget_dropped()
@@ -99,8 +101,7 @@ def _search(state: State, rng: np.random.Generator, progress: Callable[[str], No
         progress(f"looking for missing effect {change}")
         state.law_errs = True
         before, left = _names(state), state.fit.drive_rms
-        taken = _step(state, rng)
-        if taken:
+        if taken := _step(state, rng):
             progress(f"missing effect {change}: {', '.join(taken)}")
         # what is named now may have bent the laws, and as long as a drive is off they are bent
         bent = bent or state.fit.drive_rms**2 < (1.0 - APART) * left**2
