@@ -9,7 +9,7 @@ import pytest
 from frictionjoint.diagnose import outcome
 from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.score import Scored
-from frictionjoint.effects.spring import EFFECT as SPRING
+from frictionjoint.effects.rigid_body import SPRING
 from frictionjoint.identify.instruments import MissingTerm
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.smooth import SplineTerm
