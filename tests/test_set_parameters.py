@@ -15,7 +15,7 @@ from frictionjoint.files import read_samples, toml_document
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.rivals import LuGreParameters
 from frictionjoint.simulate.carrier import read_friction
-from frictionjoint.simulate.friction_samples import FrictionSamples
+from frictionjoint.simulate.set_parameters import FrictionSamples
 
 KNOTS = ((1e-3, 1.5), (1e-2, 3.2))
 TWO = """<mujoco><option timestep="0.001"/><worldbody>

@@ -50,8 +50,7 @@ def inspect(
 
 def _of_model(file: Path) -> list[dict[str, Any]]:
     from frictionjoint.model_files import ONE_DOF, compile_model
-    from frictionjoint.simulate.assumption_text import assumed
-    from frictionjoint.simulate.block import blocks
+    from frictionjoint.simulate.block import assumed, blocks
     from frictionjoint.simulate.carrier import read_friction
 
     model = compile_model(file)

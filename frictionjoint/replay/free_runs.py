@@ -20,8 +20,8 @@ from frictionjoint.identify.terms import EffectTerm, Term, changed_drive, delay_
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.mujoco_warnings import unheard
 from frictionjoint.replay.windows import Windows
-from frictionjoint.simulate.assumption_text import ASSUMED, remove_assumed
 from frictionjoint.simulate.attach import attach
+from frictionjoint.simulate.block import ASSUMED, remove_assumed
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.mechanism import deflection
 from frictionjoint.simulate.motor import Motor, add_motor

@@ -8,8 +8,14 @@ from frictionjoint.arguments import require_model
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.idle_warning import callback_is_off, forget_warning
-from frictionjoint.simulate.installed import Backend, Hold, hold, release
+from frictionjoint.simulate.installed import (
+    Backend,
+    Hold,
+    forget_warning,
+    hold,
+    release,
+    require_callback,
+)
 from frictionjoint.simulate.mechanism import require_flags
 from frictionjoint.simulate.native_friction import counts_twice, native_friction
 
@@ -78,11 +84,7 @@ def attach(model: mujoco.MjModel, backend: Backend = "native") -> Attached:
     require_model(model, "attach")
     if model._address in _attached:
         raise ModelError("this model is attached already: detach it first")
-    if callback_is_off(model):
-        raise ModelError(
-            "spring and damper flags are both disabled, so MuJoCo calls no passive force: "
-            "enable one of them in <option><flag>"
-        )
+    require_callback(model)
     found = resolve(model)
     if not found:
         raise ModelError("the model has no friction: use frictionjoint.install on its spec")

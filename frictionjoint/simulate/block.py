@@ -17,6 +17,8 @@ Slots 2 to 6 belong to one compiled model. `carrier.resolve` writes them, by nam
 (`resolve_when_stepped`). A resolved block no longer needs the integers. If the model is not yet in
 use, `resolve` moves its blocks together without the integers, so that a step of many joints reads a
 quarter of the memory.
+
+What is assumed about a friction is ``<custom><text name="frictionjoint-assumed:JOINT">``.
 """
 
 from collections.abc import Sequence
@@ -26,7 +28,7 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.simulate.model_view import ModelView, tagged_numerics
+from frictionjoint.simulate.model_view import ModelView, tagged_numerics, without_tag
 from frictionjoint.simulate.row import row_size
 
 MAGIC = 199797.0
@@ -34,7 +36,7 @@ VERSION = 1.0
 RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
 HEAD = EFFECTS + 1
 REFUSED = -1.0
-TAG = "frictionjoint:"
+TAG, ASSUMED = "frictionjoint:", "frictionjoint-assumed:"
 
 
 def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
@@ -68,3 +70,18 @@ def have_rows(blocks: Sequence[Sequence[float]], nuserdata: int) -> bool:
     need = sum(rows_of_block(block) for block in blocks)
     known = (block[ROW] - 1 for block in blocks if block[RESOLVED] == 0.0 < block[ROW])
     return need <= nuserdata and all(own + need == nuserdata for own in known)
+
+
+def assumed(model: mujoco.MjModel, joint: str) -> list[str]:
+    """What is assumed about the friction of a joint, in one text; empty if nothing is."""
+    names = (mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, i) for i in range(model.ntext))
+    texts = zip(names, model.text_adr, model.text_size, strict=True)
+    own = [(at, n) for name, at, n in texts if without_tag(name or "", ASSUMED) == joint]
+    return [bytes(model.text_data[at : at + n - 1]).decode() for at, n in own]
+
+
+def remove_assumed(spec: mujoco.MjSpec, joint: str) -> None:
+    """Remove the text of a joint, its name with the prefix of ``MjSpec.attach``, from a spec."""
+    for text in list(spec.texts):
+        if without_tag(text.name, ASSUMED) == joint:
+            spec.delete(text)

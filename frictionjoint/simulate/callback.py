@@ -11,7 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from frictionjoint.simulate import motor_demand, native
+from frictionjoint.simulate import motor, native
 from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, data_structure
 from frictionjoint.simulate.resolve_when_stepped import make_ready
 from frictionjoint.simulate.userdata_room import warn_of_no_room
@@ -74,6 +74,6 @@ python_callback: Callable[[mujoco.MjModel, mujoco.MjData], None] = _in_python(
     native.native,
     "python_callback",
     outside=_in_python(native.outside, "outside"),
-    commanded_torque=_in_python(motor_demand.commanded_torque, "commanded_torque"),
+    commanded_torque=_in_python(motor.commanded_torque, "commanded_torque"),
 )
 """The callback in Python: slower than in C, but every line can be stepped through."""

@@ -21,7 +21,7 @@ from frictionjoint.simulate import block as slot
 from frictionjoint.simulate.block import TAG, blocks, have_rows, rows_of_block
 from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
 from frictionjoint.simulate.model_view import ModelView, names_of
-from frictionjoint.simulate.motor_demand import check_motors, gives_less
+from frictionjoint.simulate.motor import check_motors, gives_less
 from frictionjoint.simulate.native_friction import (
     clear_native_friction,
     counts_twice,

@@ -10,9 +10,9 @@ from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
 from frictionjoint.model_joints import is_slide
-from frictionjoint.simulate.assumption_text import assumed
+from frictionjoint.simulate.block import assumed
 from frictionjoint.simulate.carrier import read_friction
-from frictionjoint.simulate.idle_warning import callback_is_off
+from frictionjoint.simulate.installed import callback_is_off
 from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
 from frictionjoint.simulate.native_friction import CLEAR, native_friction, tendon_friction
 

@@ -27,7 +27,7 @@ from frictionjoint.simulate.attach import attach as attach_model
 from frictionjoint.simulate.block import ROW, TAG, rows_of_block
 from frictionjoint.simulate.carrier import install as install_in_spec
 from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.friction_samples import FrictionSamples, Samples
+from frictionjoint.simulate.set_parameters import FrictionSamples, Samples
 
 
 def install(root: mjcf.RootElement, friction: Mapping[str, Friction]) -> None:

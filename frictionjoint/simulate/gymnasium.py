@@ -16,7 +16,7 @@ import gymnasium
 from gymnasium.utils import seeding
 
 from frictionjoint.simulate.attach import attach
-from frictionjoint.simulate.friction_samples import FrictionSamples, Samples
+from frictionjoint.simulate.set_parameters import FrictionSamples, Samples
 
 
 class Friction(gymnasium.Wrapper[Any, Any, Any, Any]):

@@ -2,10 +2,12 @@
 
 MuJoCo has one ``mjcb_passive``. Our kernel serves every model with friction, so it is installed
 once, however many models are attached. A callback that was there before is called first, at every
-evaluation, and is restored when the last hold ends.
+evaluation, and is restored when the last hold ends. Friction of a model that is stepped without our
+callback is warned of.
 """
 
 import warnings
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, cast
@@ -15,9 +17,11 @@ import mujoco
 from frictionjoint.compiled import PLAIN, c_address
 from frictionjoint.errors import ModelError
 from frictionjoint.model_files import is_c
+from frictionjoint.simulate.block import ROW
 from frictionjoint.simulate.callback import python_callback
 from frictionjoint.simulate.layout import LayoutMismatchError
 from frictionjoint.simulate.native import CALLBACK, build_both, build_native
+from frictionjoint.simulate.row import STEP, T_EVALUATED
 
 Backend = Literal["native", "python"]
 
@@ -41,6 +45,8 @@ class Hold:
 
 # outermost first
 _holds: list[Hold] = []
+# models that were warned of, by address
+_warned: set[int] = set()
 
 
 def hold(backend: Backend) -> Hold:
@@ -77,19 +83,71 @@ def release(entry: Hold) -> None:
         mujoco.set_mjcb_passive(entry.previous)
 
 
-def is_installed() -> bool:
+def require_callback(model: Any, caller: str = "MuJoCo") -> None:
+    """Raise ModelError if a model's flags keep its simulation from calling a passive force."""
+    if callback_is_off(model):
+        raise ModelError(
+            f"spring and damper flags are both disabled, so {caller} calls no passive force: "
+            "enable one of them in <option><flag>"
+        )
+
+
+def callback_is_off(model: Any) -> bool:
+    """Whether a model's flags keep MuJoCo from calling a passive force."""
+    off = mujoco.mjtDisableBit.mjDSBL_SPRING | mujoco.mjtDisableBit.mjDSBL_DAMPER
+    return bool((model.opt.disableflags & off) == off)
+
+
+def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, int]) -> None:
+    """Warn once per resolved model if it was stepped and its friction was not evaluated; `found`:
+    addresses of its blocks by joint."""
+    off = callback_is_off(model)
+    if (_is_installed() and not off) or model._address in _warned:
+        return
+    row = int(model.numeric_data[next(iter(found.values())) + ROW])
+    evaluated = float(data.userdata[row + T_EVALUATED]) if data.userdata[row + STEP] else 0.0
+    # an attached model is evaluated at every step
+    if data.time - evaluated <= 1.5 * model.opt.timestep:
+        return
+    _warned.add(model._address)
+    weakref.finalize(model, _warned.discard, model._address)
+    reason = "call frictionjoint.attach(model) or frictionjoint.enable() before stepping"
+    if off:
+        reason = (
+            "the spring and damper flags are both disabled, so MuJoCo calls no passive force: "
+            "enable one of them in model.opt.disableflags"
+        )
+    elif _replaced():
+        reason = (
+            "other code replaced MuJoCo's passive callback after frictionjoint set it: set yours "
+            "before frictionjoint.attach, which calls it too"
+        )
+    warnings.warn(
+        f"the friction of this model has not acted since {evaluated:.6g} s, and data.time is "
+        f"{data.time:.6g} s: {reason}",
+        RuntimeWarning,
+        stacklevel=3,
+    )
+
+
+def forget_warning(model: mujoco.MjModel) -> None:
+    """Allow the warning again for a model at this address, which is attached now."""
+    _warned.discard(model._address)
+
+
+def _is_installed() -> bool:
     """Whether MuJoCo calls our callback directly."""
     current = mujoco.get_mjcb_passive()
     return any(entry.callback is current for entry in _holds)
 
 
-def replaced() -> bool:
+def _replaced() -> bool:
     """Whether other code has set a passive callback since our last hold began."""
-    return bool(_holds) and not is_installed()
+    return bool(_holds) and not _is_installed()
 
 
 def _warn_if_replaced(what_now: str) -> None:
-    if not replaced() or _holds[-1].warned:
+    if not _replaced() or _holds[-1].warned:
         return
     _holds[-1].warned = True
     warnings.warn(

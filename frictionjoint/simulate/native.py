@@ -16,7 +16,6 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, entry_point, external, in_line, pointer
 from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
 from frictionjoint.simulate.fast_step import joint_torque
-from frictionjoint.simulate.implicit_mass import put_in, take_back
 from frictionjoint.simulate.joint_effects import (
     asks_for_load,
     coupled_load,
@@ -24,7 +23,8 @@ from frictionjoint.simulate.joint_effects import (
     unit_gravity,
 )
 from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, offsets
-from frictionjoint.simulate.motor_demand import commanded_torque, gives_less
+from frictionjoint.simulate.mass_matrix import put_in, take_back
+from frictionjoint.simulate.motor import commanded_torque, gives_less
 from frictionjoint.simulate.pointers import (
     AT,
     DATA,

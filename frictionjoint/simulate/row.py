@@ -16,7 +16,7 @@ it was longer, so that the time step may change during a run.
 
 Friction is implicit: over a step it is TORQUE + GAIN w, with w the velocity at the step's end, and
 GAIN times the step is added to the joint's entry of MuJoCo's mass matrix
-(``simulate.implicit_mass``).
+(``simulate.mass_matrix``).
 
 Row ``X[x:]``: STEP, the time step of the last evaluation (0 before the first); time, position,
 velocity, torque over the step without its GAIN, and GAIN, all five committed, then evaluated; the

@@ -1,11 +1,12 @@
-"""Change the friction of a compiled model, and reset its state.
+"""Change the friction of a compiled model, also at random per episode, and reset its state.
 
 set_parameters(model, "elbow", parameters)      # e.g. of another sample
 data.qpos[:] = reference_state
 forget(model, data)                             # the change of position was no motion
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -13,12 +14,16 @@ import numpy as np
 from frictionjoint.arguments import require_data, require_model
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
+from frictionjoint.files import read_samples
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.laws import require_parameters
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.block import COUNT, EFFECTS, HEAD, MAGIC, ROW, rows_of_block
 from frictionjoint.simulate.carrier import heating_first, read_effects, resolve
 from frictionjoint.simulate.row import BASE, FRONT
+
+Samples = Mapping[str, Sequence[Friction | JointFriction] | str | Path]
+"""By name of the joint: ``report.samples(n)``, or the file that ``frictionjoint sample`` writes."""
 
 
 def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | JointFriction) -> None:
@@ -114,6 +119,34 @@ def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None)
         # what was written into the mass matrix is still there
         data.userdata[row : row + BASE] = 0.0
         data.userdata[row + FRONT : row + size] = 0.0
+
+
+class FrictionSamples:
+    """Parameter sets of joints, of which each episode draws one per joint.
+
+    Raises:
+        ModelError: no samples of a joint. ParameterError: a file that cannot be read.
+    """
+
+    def __init__(self, samples: Samples) -> None:
+        self._samples = {
+            joint: read_samples(Path(given)) if isinstance(given, str | Path) else tuple(given)
+            for joint, given in samples.items()
+        }
+        for joint, each in self._samples.items():
+            if not each:
+                raise ModelError(f"joint {joint!r} has no samples: give at least one")
+
+    def draw(self, model: mujoco.MjModel, random: np.random.Generator) -> dict[str, int]:
+        """Give each joint of a compiled model one of its samples; returns its number, by joint.
+
+        Raises:
+            ModelError: see `set_parameters`.
+        """
+        drawn = {joint: int(random.integers(len(x))) for joint, x in self._samples.items()}
+        for joint, number in drawn.items():
+            set_parameters(model, joint, self._samples[joint][number])
+        return drawn
 
 
 def require_joint(found: dict[str, int], joint: str) -> str:

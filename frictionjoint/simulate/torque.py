@@ -1,4 +1,4 @@
-"""The friction torque that acts on each joint, with its parts, read from the data."""
+"""What the data hold of each joint's friction: its torque with its parts, and its memory."""
 
 from dataclasses import dataclass
 
@@ -12,12 +12,13 @@ from frictionjoint.errors import ModelError
 from frictionjoint.law import bristle
 from frictionjoint.law.kernel import INTEGRATED, header_size, hysteresis_torque, levels_at
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.law.memory import RATE
+from frictionjoint.law.memory import BOUND, FORGOTTEN, N_MAX, N_MIN, RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
+from frictionjoint.parameters import FrictionParameters
 from frictionjoint.simulate import block as slot
 from frictionjoint.simulate.block import blocks, effects_of
-from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.idle_warning import warn_if_idle
+from frictionjoint.simulate.carrier import read_friction, resolve
+from frictionjoint.simulate.installed import warn_if_idle
 from frictionjoint.simulate.row import FRONT, GAIN, STEP, T_EVALUATED, TORQUE, V_EVALUATED
 from frictionjoint.simulate.thermal import temperature_of
 
@@ -127,4 +128,46 @@ def _effects(P: Array, block: int, X: Array, x: int) -> dict[str, float]:
         name = _NAMES[effect]
         alike = sum(1 for other in found if other.partition("_")[0] == name)
         found[f"{name}_{alike + 1}" if alike else name] = float(X[each + i])
+    return found
+
+
+@dataclass(frozen=True)
+class Remembered:
+    """Memory of one joint.
+
+    Attributes:
+        minima: number of extrema on the stack m, without its limit.
+        maxima: the same on M.
+        forgotten: pairs of extrema removed for lack of room since the joint began to move.
+        error: N m; bound on the error of the hysteresis torque compared with unlimited stacks: the
+            sum of the gaps that the removed pairs left, and never more than Fs_pos + Fs_neg.
+    """
+
+    minima: int
+    maxima: int
+    forgotten: int
+    error: float
+
+
+def remembered(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Remembered]:
+    """Memory of each joint with the integrated law, at the last committed step.
+
+    Args:
+        model: attached, or from `load_model`. data: of that model.
+    """
+    require_data(data, model, "remembered")
+    found = {}
+    addresses = resolve(model)
+    for name, carried in read_friction(model).items():
+        law = carried.parameters
+        if not isinstance(law, FrictionParameters):
+            continue
+        row = int(model.numeric_data[addresses[name] + slot.ROW]) + FRONT
+        X = data.userdata[row:]
+        found[name] = Remembered(
+            minima=max(0, int(X[N_MIN]) - 1),
+            maxima=max(0, int(X[N_MAX]) - 1),
+            forgotten=int(X[FORGOTTEN]),
+            error=min(float(X[BOUND]), law.Fs_pos + law.Fs_neg),
+        )
     return found

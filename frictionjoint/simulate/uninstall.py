@@ -7,8 +7,15 @@ import numpy as np
 
 from frictionjoint.arguments import require_spec
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.assumption_text import remove_assumed
-from frictionjoint.simulate.block import COUNT, HEAD, MAGIC, TAG, have_rows, rows_of_block
+from frictionjoint.simulate.block import (
+    COUNT,
+    HEAD,
+    MAGIC,
+    TAG,
+    have_rows,
+    remove_assumed,
+    rows_of_block,
+)
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.model_view import without_tag
 from frictionjoint.simulate.shaft_wave import remove_waves

@@ -18,7 +18,7 @@ from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.idle_warning import callback_is_off
+from frictionjoint.simulate.installed import require_callback
 from frictionjoint.simulate.set_parameters import require_joint
 from frictionjoint.simulate.shaft_wave import wave_losses
 from frictionjoint.simulate.warp_layout import Layout
@@ -250,11 +250,7 @@ def _fitting(mjw: Any, m: Any, d: Any, mjm: mujoco.MjModel) -> dict[str, int]:
             "the mujoco_warp Model and Data were not made from this MjModel: give the one that "
             "went into put_model"
         )
-    if callback_is_off(m):
-        raise ModelError(
-            "spring and damper flags are both disabled, so mujoco_warp calls no passive force: "
-            "enable one of them in <option><flag>"
-        )
+    require_callback(m, "mujoco_warp")
     integrator = mjw.IntegratorType(m.opt.integrator).name
     if integrator not in _INTEGRATORS:
         raise ModelError(

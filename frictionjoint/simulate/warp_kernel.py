@@ -2,7 +2,7 @@
 
 It does what the native callback does (`frictionjoint.simulate.callback`), with functions made from
 the same source, on rows of state that live in a warp array instead of ``mjData.userdata``: friction
-is c + G w over a step, and h G goes onto the diagonal of ``Data.M`` (`simulate.implicit_mass`),
+is c + G w over a step, and h G goes onto the diagonal of ``Data.M`` (`simulate.mass_matrix`),
 which is factored again afterwards. The law is computed in doubles; mujoco_warp hands it position,
 velocity, inertia and time as single floats.
 
@@ -114,7 +114,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         gains: motors,
         biases: motors,
     ):
-        """Commanded torque of a joint's motors, see `motor_demand.commanded_torque`."""
+        """Commanded torque of a joint's motors, see `motor.commanded_torque`."""
         total = double(0.0)
         for n in range(first, last):
             i = acting[n]
@@ -148,7 +148,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         state: doubles,
         mass: wp.array2d(dtype=float),
     ):
-        """`simulate.implicit_mass.take_back`, with a mass matrix of single floats."""
+        """`simulate.mass_matrix.take_back`, with a mass matrix of single floats."""
         k, world = wp.tid()
         x, dof = row_of(numbers, blocks, rows, k, world)
         entry = rowadr[dof] + rownnz[dof] - 1

@@ -13,7 +13,7 @@ from frictionjoint.law.kernel import header_size
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate.block import COUNT, EFFECTS, HEAD, JOINT, ROW, rows_of_block
 from frictionjoint.simulate.joint_effects import asks_for_load
-from frictionjoint.simulate.motor_demand import gives_less, motors_of
+from frictionjoint.simulate.motor import gives_less, motors_of
 from frictionjoint.simulate.set_parameters import write_parameters
 
 Whole = NDArray[np.int32]

@@ -63,7 +63,7 @@ SAMPLES = 60
 # functions in Python
 ADDRESSED = (
     "frictionjoint.simulate.native.",
-    "frictionjoint.simulate.motor_demand.commanded_torque",
+    "frictionjoint.simulate.motor.commanded_torque",
 )
 
 
