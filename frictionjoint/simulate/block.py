@@ -27,7 +27,9 @@ import mujoco
 import numpy as np
 
 from frictionjoint.arrays import Array
+from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
+from frictionjoint.simulate.layout import structure
 from frictionjoint.simulate.model_view import ModelView, tagged_numerics, without_tag
 from frictionjoint.simulate.row import row_size
 
@@ -37,6 +39,8 @@ RESOLVED, QPOS, DOF, ROW, JOINT, COUNT, EFFECTS = range(2, 9)
 HEAD = EFFECTS + 1
 REFUSED = -1.0
 TAG, ASSUMED = "frictionjoint:", "frictionjoint-assumed:"
+# models whose data were found to lack room, by address
+rooms_missed: set[int] = set()
 
 
 def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
@@ -70,6 +74,29 @@ def have_rows(blocks: Sequence[Sequence[float]], nuserdata: int) -> bool:
     need = sum(rows_of_block(block) for block in blocks)
     known = (block[ROW] - 1 for block in blocks if block[RESOLVED] == 0.0 < block[ROW])
     return need <= nuserdata and all(own + need == nuserdata for own in known)
+
+
+def make_room(model: mujoco.MjModel, need: int) -> None:
+    """Add numbers to a compiled model's user data for the friction; its own stay in front.
+
+    ``MjSpec.attach`` and MJCF's ``<attach>`` keep the parameters that a child model carries and
+    drop its ``nuserdata``. MuJoCo lays out the next ``mujoco.MjData(model)`` by the model's
+    ``nuserdata``. Data made before have too little, and the callback leaves them alone
+    (`native.lacks_room`); MuJoCo itself refuses to copy between the two.
+
+    Raises:
+        ModelError: MuJoCo's reset of existing data would then write past the end of these data.
+    """
+    own, data = int(model.nuserdata), mujoco.MjData(model)
+    fields = structure("mjData").from_address(data._address)
+    behind = (fields.buffer or 0) + fields.nbuffer - (fields.userdata or 0)
+    if behind < model.numeric_data.itemsize * (own + need):
+        raise ModelError(
+            f'friction needs {need} numbers of user data: write <size nuserdata="{own + need}"/> '
+            "in the MJCF, or set nuserdata of the spec"
+        )
+    structure("mjModel").from_address(model._address).nuserdata = own + need
+    rooms_missed.discard(model._address)
 
 
 def assumed(model: mujoco.MjModel, joint: str) -> list[str]:

@@ -12,9 +12,8 @@ import mujoco
 import numpy as np
 
 from frictionjoint.simulate import motor, native
-from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, data_structure
-from frictionjoint.simulate.resolve_when_stepped import make_ready
-from frictionjoint.simulate.userdata_room import warn_of_no_room
+from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, structure
+from frictionjoint.simulate.resolve_when_stepped import make_ready, warn_of_no_room
 
 
 def _field(owner: Any, name: Any) -> Any:
@@ -32,7 +31,7 @@ def _whole(owner: Any, name: Any) -> list[Any]:
 
 def _give_back_projection(data: mujoco.MjData) -> None:
     """`native.give_back_projection`; its fields are no attributes."""
-    fields = data_structure().from_address(data._address)
+    fields = structure("mjData").from_address(data._address)
     begins = [getattr(fields, name, None) for name in native.PROJECTED]
     lowest = min((begin for begin in begins if begin), default=None)
     if lowest is not None:

@@ -18,7 +18,7 @@ from frictionjoint.model_files import ONE_DOF, compiling, not_xml
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate import block as slot
-from frictionjoint.simulate.block import TAG, blocks, have_rows, rows_of_block
+from frictionjoint.simulate.block import TAG, blocks, have_rows, make_room, rows_of_block
 from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
 from frictionjoint.simulate.model_view import ModelView, names_of
 from frictionjoint.simulate.motor import check_motors, gives_less
@@ -30,7 +30,6 @@ from frictionjoint.simulate.native_friction import (
 from frictionjoint.simulate.sensor_delay import delay_sensors
 from frictionjoint.simulate.shaft_wave import resolve_waves
 from frictionjoint.simulate.uninstall import carrying, take_out
-from frictionjoint.simulate.userdata_room import make_room
 
 # MuJoCo 4.0.0 writes what is a 1e-12th of the largest number as zero
 LARGEST = 1e11

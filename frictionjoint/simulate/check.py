@@ -10,6 +10,7 @@ from frictionjoint.errors import ModelError
 from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
 from frictionjoint.model_joints import is_slide
+from frictionjoint.parameter_checks import SIDES
 from frictionjoint.simulate.block import assumed
 from frictionjoint.simulate.carrier import read_friction
 from frictionjoint.simulate.installed import callback_is_off
@@ -42,8 +43,7 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
         inverse = float(model.dof_invweight0[int(model.jnt_dofadr[j])])
         law = carried.parameters
         stiffness, sigma1 = presliding(law.pack(), 0)
-        viscous = law.to_dict()
-        damping = float(sigma1) + max(float(viscous[f"sigma2_{side}"]) for side in ("pos", "neg"))
+        damping = float(sigma1) + max(float(law.levels(side)[-1]) for side in SIDES)
         ratio = model.opt.timestep * float(stiffness * inverse) ** 0.5
         damping_ratio = model.opt.timestep * damping * inverse
         outside = _outside(model.opt.timestep, ratio, damping_ratio, implicit)

@@ -6,7 +6,7 @@ structures of the running build, and verified against a live model.
 
 import ctypes
 import re
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 import mujoco
@@ -60,7 +60,7 @@ def _ctype(declared: Any) -> Any:
     if name in _SCALARS:
         return _SCALARS[name]
     if name in structs.STRUCTS:
-        return _structure(structs.STRUCTS[name].fields)
+        return structure(name)
     if name.startswith("mjt"):
         return ctypes.c_int  # an enumeration
     raise LayoutMismatchError(f"unknown C type {name!r}")
@@ -71,19 +71,13 @@ def _structure(fields: Any) -> Any:
     return type("Layout", (ctypes.Structure,), {"_fields_": pairs})
 
 
-@lru_cache(maxsize=1)
-def model_structure() -> Any:
-    """mjModel as a ctypes structure."""
-    return _structure(structs.STRUCTS["mjModel"].fields)
+@cache
+def structure(name: str) -> Any:
+    """A structure of MuJoCo, e.g. "mjModel", as a ctypes structure."""
+    return _structure(structs.STRUCTS[name].fields)
 
 
-@lru_cache(maxsize=1)
-def data_structure() -> Any:
-    """mjData as a ctypes structure."""
-    return _structure(structs.STRUCTS["mjData"].fields)
-
-
-@lru_cache(maxsize=1)
+@cache
 def model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
     """The arrays of mjModel by name: C type of a number, and extents or their fields."""
     return {
@@ -93,26 +87,24 @@ def model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
     }
 
 
-@lru_cache(maxsize=1)
+@cache
 def offsets() -> tuple[dict[str, int], dict[str, int]]:
     """Byte offsets in mjModel and mjData by field name; fields of some versions only if they exist.
 
     Raises:
         LayoutMismatchError: a live model contradicts the offsets.
     """
-    model_type = model_structure()
-    data_type = data_structure()
-    model = {x: getattr(model_type, x).offset for x in _MODEL_FIELDS.split()}
-    data = {x: getattr(data_type, x).offset for x in _DATA_FIELDS.split()}
-    for found, kind, some in (
-        (model, model_type, _SOME_MODEL_FIELDS),
-        (data, data_type, _SOME_DATA_FIELDS),
-    ):
-        found |= {x: getattr(kind, x).offset for x in some.split() if hasattr(kind, x)}
-    option = _structure(structs.STRUCTS["mjOption"].fields)
-    model |= {x: model["opt"] + getattr(option, x).offset for x in _OPTION_FIELDS.split()}
+    model = _offsets("mjModel", _MODEL_FIELDS, _SOME_MODEL_FIELDS)
+    data = _offsets("mjData", _DATA_FIELDS, _SOME_DATA_FIELDS)
+    model |= {x: model["opt"] + at for x, at in _offsets("mjOption", _OPTION_FIELDS).items()}
     _check(model, data)
     return model, data
+
+
+def _offsets(name: str, fields: str, some: str = "") -> dict[str, int]:
+    kind = structure(name)
+    names = [*fields.split(), *(x for x in some.split() if hasattr(kind, x))]
+    return {x: getattr(kind, x).offset for x in names}
 
 
 def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
@@ -130,11 +122,8 @@ def _check(model_at: dict[str, int], data_at: dict[str, int]) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     data.time = 0.731
-    for owner, kind, at in (
-        (model, model_structure(), model_at),
-        (data, data_structure(), data_at),
-    ):
-        fields = kind.from_address(owner._address)
+    for owner, kind, at in ((model, "mjModel", model_at), (data, "mjData", data_at)):
+        fields = structure(kind).from_address(owner._address)
         for name in at:
             inside, shown = (fields, owner) if hasattr(fields, name) else (fields.opt, model.opt)
             value: Any = getattr(shown, name, None)

@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from frictionjoint.simulate.layout import model_extents, model_structure
+from frictionjoint.simulate.layout import model_extents, structure
 
 
 class ModelView:
@@ -18,7 +18,7 @@ class ModelView:
     """
 
     def __init__(self, address: int) -> None:
-        self._fields = model_structure().from_address(address)
+        self._fields = structure("mjModel").from_address(address)
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._fields, name)

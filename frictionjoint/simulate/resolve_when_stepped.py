@@ -14,12 +14,11 @@ import mujoco
 
 from frictionjoint.compiled import external
 from frictionjoint.errors import ModelError, ParameterError
-from frictionjoint.simulate.block import MAGIC, REFUSED, RESOLVED, blocks
+from frictionjoint.simulate.block import MAGIC, REFUSED, RESOLVED, blocks, rooms_missed
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.model_view import ModelView
 from frictionjoint.simulate.pointers import Address
 from frictionjoint.simulate.shaft_wave import SHAFT, wave_blocks
-from frictionjoint.simulate.userdata_room import warn_of_no_room
 
 # simulations of one model may run side by side
 _resolve_lock = threading.Lock()
@@ -45,6 +44,19 @@ def make_ready(model: mujoco.MjModel | ModelView) -> None:
             warnings.warn(
                 f"friction of a model does not act: {error}", RuntimeWarning, stacklevel=2
             )
+
+
+def warn_of_no_room(address: int) -> None:
+    """Warn, once per model, of data that were made before their model got room for friction."""
+    if address in rooms_missed:
+        return
+    rooms_missed.add(address)
+    warnings.warn(
+        "friction does not act in this MjData, which has no room for the friction state: create it "
+        "after frictionjoint.attach or load_model",
+        RuntimeWarning,
+        stacklevel=2,
+    )
 
 
 @external

@@ -4,6 +4,7 @@ As in the 1997 paper: stiffness of the loop 1000 N m/rad, target moving at 0.1 r
 sticks until the controller's torque breaks it away, slips, and sticks again.
 """
 
+import contextlib
 import io
 import itertools
 from dataclasses import dataclass
@@ -73,26 +74,15 @@ def native_model(path: Path) -> mujoco.MjModel:
 
 def stick_slip(path: Path, duration: float = 12.0, native: bool = False) -> StickSlip:
     """Run the joint for `duration` s; `native` with MuJoCo's own frictionloss instead of ours."""
-    if native:
-        model = native_model(path)
-        return _read_off(*_run(model, duration))
-    model = load_model(path)
-    with attach(model):
-        return _read_off(*_run(model, duration))
-
-
-def _run(model: mujoco.MjModel, duration: float) -> tuple[Array, Array, Array, Array]:
+    model = native_model(path) if native else load_model(path)
     data = mujoco.MjData(model)
-    n = round(duration / model.opt.timestep)
-    out = np.empty((4, n))
-    for k in range(n):
-        data.ctrl[0] = SPEED * data.time
-        mujoco.mj_step(model, data)
-        out[:, k] = data.time, data.qpos[0], data.qvel[0], data.ctrl[0]
-    return out[0], out[1], out[2], out[3]
-
-
-def _read_off(time: Array, position: Array, velocity: Array, target: Array) -> StickSlip:
+    out = np.empty((4, round(duration / model.opt.timestep)))
+    with contextlib.nullcontext() if native else attach(model):
+        for k in range(out.shape[1]):
+            data.ctrl[0] = SPEED * data.time
+            mujoco.mj_step(model, data)
+            out[:, k] = data.time, data.qpos[0], data.qvel[0], data.ctrl[0]
+    time, position, velocity, target = out
     # sticking: slower than a hundredth of the target's speed
     stuck = np.abs(velocity) < 0.01 * SPEED
     starts = np.flatnonzero(stuck[:-1] & ~stuck[1:]) + 1
@@ -114,12 +104,12 @@ def draw(ours: StickSlip, native: StickSlip) -> str:
     figure = Figure(figsize=(9, 5.2), layout="constrained")
     axes = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [2, 1]})
     axes[0].plot(ours.time, ours.target, color="0.6", lw=1, label="target, 0.1 rad/s")
-    axes[0].plot(native.time, native.position, color="#d95f02", lw=1.4, label="frictionloss")
-    axes[0].plot(ours.time, ours.position, color="#1b9e77", lw=1.8, label="frictionjoint")
+    shown = (native, "#d95f02", 1.4, "frictionloss"), (ours, "#1b9e77", 1.8, "frictionjoint")
+    for run, color, width, label in shown:
+        axes[0].plot(run.time, run.position, color=color, lw=width, label=label)
+        axes[1].plot(run.time, run.velocity, color=color, lw=1.2)
     axes[0].set_ylabel("position, rad")
     axes[0].legend(frameon=False)
-    axes[1].plot(native.time, native.velocity, color="#d95f02", lw=1.2)
-    axes[1].plot(ours.time, ours.velocity, color="#1b9e77", lw=1.2)
     axes[1].set_ylabel("velocity, rad/s")
     axes[1].set_xlabel("time, s")
     axes[0].set_title("KUKA IR 361, joint 1: 1000 N m/rad, target moving at 0.1 rad/s", fontsize=11)

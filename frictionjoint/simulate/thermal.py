@@ -32,19 +32,15 @@ class _Kind(NamedTuple):
     write: Callable[[Array, float, float], float]
 
 
+def _warm(i: int, timed: float = 0.0) -> _Kind:
+    """Warmth that approaches 1 with the constant P[i], by loss or, if `timed` is 1, by time."""
+    return _Kind(
+        lambda P, x, t: -math.expm1(-(timed * t + x) / P[i]),
+        lambda P, warm, t: -P[i] * math.log1p(-warm) - timed * t,
+    )
+
+
 _ABOVE = _Kind(lambda P, x, t: float(P[0]) + x, lambda P, celsius, t: celsius - float(P[0]))
-_WARMTHS = {
-    float(warm_up_drift.EFFECT.effect_id): _Kind(
-        lambda P, x, t: -math.expm1(-(t + x) / P[0]),
-        lambda P, warm, t: -P[0] * math.log1p(-warm) - t,
-    ),
-    float(warm_up_drift.BY_LOSS.effect_id): _Kind(
-        lambda P, x, t: -math.expm1(-x / P[1]), lambda P, warm, t: -P[1] * math.log1p(-warm)
-    ),
-    float(warm_up_drift.BY_WHOLE_LOSS.effect_id): _Kind(
-        lambda P, x, t: -math.expm1(-x / P[0]), lambda P, warm, t: -P[0] * math.log1p(-warm)
-    ),
-}
 # by the state, the effects that have it
 _KINDS = {
     "temperature": {
@@ -52,7 +48,11 @@ _KINDS = {
         for effect in SIMULATED
         if effect is heating.EFFECT or TEMP in effect.needs
     },
-    "warmth": _WARMTHS,
+    "warmth": {
+        float(warm_up_drift.EFFECT.effect_id): _warm(0, timed=1.0),
+        float(warm_up_drift.BY_LOSS.effect_id): _warm(1),
+        float(warm_up_drift.BY_WHOLE_LOSS.effect_id): _warm(0),
+    },
 }
 
 
