@@ -34,8 +34,8 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
     require_model(model, "check")
     carried_by = read_friction(model)
     native = native_friction(model, carried_by)
-    implicit = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
-    rows = []
+    implicit = bool(model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4)
+    step, rows = model.opt.timestep, []
     for name, carried in carried_by.items():
         j = model.joint(name).id
         unit = "N/m" if is_slide(model, name) else "N m/rad"
@@ -44,15 +44,14 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
         law = carried.parameters
         stiffness, sigma1 = presliding(law.pack(), 0)
         damping = float(sigma1) + max(float(law.levels(side)[-1]) for side in SIDES)
-        ratio = model.opt.timestep * float(stiffness * inverse) ** 0.5
-        damping_ratio = model.opt.timestep * damping * inverse
-        outside = _outside(model.opt.timestep, ratio, damping_ratio, implicit)
+        ratio, damping_ratio = step * float(stiffness * inverse) ** 0.5, step * damping * inverse
+        outside = _outside(step, ratio, damping_ratio, implicit)
         if callback_is_off(model):
             outside.append(
                 "friction does not act: spring and damper flags are both disabled, enable one of "
                 "them in <option><flag>"
             )
-        outside += _springs_outside(model.opt.timestep, inverse, carried)
+        outside += _springs_outside(step, inverse, carried)
         if name in native:
             outside.append(f"friction counts twice, with MuJoCo's own {native[name]}: {CLEAR}")
         try:
@@ -64,8 +63,8 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
             for e in carried.effects
         ]
         if law.law == "static":  # it would not hold a joint at rest
-            held = f"a joint at rest is held by an elastic element of {stiffness:.4g} {unit}"
-            acts.insert(0, f"{law.law}: {held}")
+            spring = f"an elastic element of {stiffness:.4g} {unit}"
+            acts.insert(0, f"static: a joint at rest is held by {spring}")
         rows.append(
             {
                 "joint": name,
@@ -75,12 +74,14 @@ def check(model: mujoco.MjModel) -> list[dict[str, Any]]:
                 "unit": unit,
                 "step_ratio": ratio,
                 "damping_ratio": damping_ratio,
-                "implicit": bool(implicit),
+                "implicit": implicit,
                 "native": native.get(name),
                 "effects": [e.effect.name for e in carried.effects],
                 "acts": acts + tendon_friction(model, name) + assumed(model, name),
                 "outside": outside,
-                "remark": _remark(ratio, model.opt.timestep),
+                "remark": "the time step resolves presliding"
+                if ratio <= 1.0
+                else f"holds; presliding motion is resolved at timestep <= {step / ratio:.2g} s",
             }
         )
     return rows
@@ -97,17 +98,15 @@ def integrator_note(model: mujoco.MjModel) -> str:
 def _outside(timestep: float, ratio: float, damping_ratio: float, implicit: bool) -> list[str]:
     """A sentence per exceeded limit of the time step."""
     # to which joints are tested to hold; the explicit stages of RK4 are stable up to about 2.8
-    limit = 1000.0 if implicit else 2.0
-    fix = "" if implicit else "use the integrator implicitfast, or "
-    found = []
-    for what, value in (("h sqrt(K/J)", ratio), ("h sigma/J", damping_ratio)):
-        if value > limit:
-            found.append(
-                f"{what} is {value:.3g}, above {limit:g}, to which joints are tested"
-                f"{'' if implicit else ' with RK4'}: {fix}take a timestep <= "
-                f"{timestep * limit / value:.2g} s"
-            )
-    return found
+    limit, advice = 2.0, " with RK4: use the integrator implicitfast, or take a timestep"
+    if implicit:
+        limit, advice = 1000.0, ": take a timestep"
+    return [
+        f"{what} is {value:.3g}, above {limit:g}, to which joints are tested{advice} <= "
+        f"{timestep * limit / value:.2g} s"
+        for what, value in (("h sqrt(K/J)", ratio), ("h sigma/J", damping_ratio))
+        if value > limit
+    ]
 
 
 def _springs_outside(timestep: float, inverse: float, carried: JointFriction) -> list[str]:
@@ -122,13 +121,6 @@ def _springs_outside(timestep: float, inverse: float, carried: JointFriction) ->
                     f"{ratio:.3g}, above 1: take a timestep <= {timestep / ratio:.2g} s"
                 )
     return found
-
-
-def _remark(ratio: float, timestep: float) -> str:
-    """How well a time step suits a presliding spring with this h sqrt(K/J)."""
-    if ratio <= 1.0:
-        return "the time step resolves presliding"
-    return f"holds; presliding motion is resolved at timestep <= {timestep / ratio:.2g} s"
 
 
 def how_it_acts(joint: str, carried: SimulatedEffect) -> str:

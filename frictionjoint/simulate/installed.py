@@ -1,9 +1,8 @@
 """The single passive callback of the process: the user's, then ours.
 
-MuJoCo has one ``mjcb_passive``. Our kernel serves every model with friction, so it is installed
-once, however many models are attached. A callback that was there before is called first, at every
-evaluation, and is restored when the last hold ends. Friction of a model that is stepped without our
-callback is warned of.
+MuJoCo has one ``mjcb_passive``, and our kernel serves every model with friction. A callback that
+was there before is called first, at every evaluation, and is restored when the last hold ends. A
+model with friction that is stepped without our callback is named in a warning.
 """
 
 import warnings
@@ -174,7 +173,9 @@ def _in_turn(first: Any, kernel: Any) -> Any:
     """One callback that calls two; in C if both are C, so that no thread waits for Python."""
     if first is None:
         return kernel
-    if is_c(first) and kernel is not python_callback and _is_free(first):
+    # C supports one user callback at a time
+    others = {c_address(x.first) for x in _holds if x.first is not None and is_c(x.first)}
+    if is_c(first) and kernel is not python_callback and others <= {c_address(first)}:
         return build_both(first)
     calls = tuple(map(_from_python, (first, kernel)))
 
@@ -190,9 +191,3 @@ def _from_python(callback: Any) -> Callable[[mujoco.MjModel, mujoco.MjData], Non
         return cast("Callable[[mujoco.MjModel, mujoco.MjData], None]", callback)
     function = CALLBACK(c_address(callback))
     return lambda model, data: function(model._address, data._address)
-
-
-def _is_free(first: Any) -> bool:
-    """Whether C can call this callback first; it supports one user callback at a time."""
-    others = (hold.first for hold in _holds if hold.first is not None and is_c(hold.first))
-    return all(c_address(other) == c_address(first) for other in others)

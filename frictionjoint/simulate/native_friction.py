@@ -11,20 +11,14 @@ CLEAR = "clear it with `frictionjoint install --clear-native`, or install(..., c
 
 
 def native_friction(model: mujoco.MjModel, joints: Iterable[str]) -> dict[str, str]:
-    """Descriptions of MuJoCo's own friction by joint name; joints without native friction are left
-    out.
-    """
+    """MuJoCo's own friction in words by joint name, without joints that have none."""
     found = {}
     for name in joints:
         dof = int(model.jnt_dofadr[model.joint(name).id])
-        damping = [model.dof_damping[dof]]
         # MuJoCo 3.7 on: damping that grows with the speed
-        if hasattr(model, "dof_dampingpoly"):
-            damping = [*damping, *model.dof_dampingpoly[dof]]
-        words = _words(float(model.dof_frictionloss[dof]), damping)
-        if words:
-            found[name] = words
-    return found
+        more = model.dof_dampingpoly[dof] if hasattr(model, "dof_dampingpoly") else ()
+        found[name] = _words(model.dof_frictionloss[dof], [model.dof_damping[dof], *more])
+    return {name: words for name, words in found.items() if words}
 
 
 def tendon_friction(model: mujoco.MjModel, joint: str) -> list[str]:
@@ -34,7 +28,7 @@ def tendon_friction(model: mujoco.MjModel, joint: str) -> list[str]:
         first, count = int(model.tendon_adr[t]), int(model.tendon_num[t])
         fixed = model.wrap_type[first] == mujoco.mjtWrap.mjWRAP_JOINT
         if fixed and model.joint(joint).id in model.wrap_objid[first : first + count]:
-            words = _words(float(model.tendon_frictionloss[t]), [model.tendon_damping[t]])
+            words = _words(model.tendon_frictionloss[t], [model.tendon_damping[t]])
             if words:
                 name = model.tendon(t).name or "without a name"
                 found.append(f"tendon {name} over the joint has MuJoCo's own {words} too")
@@ -46,13 +40,9 @@ def native_friction_of_spec(spec: mujoco.MjSpec, joints: Iterable[str]) -> dict[
     joints = list(joints)
     if any(_has_springdamper(spec.joint(name)) for name in joints):
         return native_friction(compiled_copy(spec), joints)
-    found = {}
-    for name in joints:
-        joint = spec.joint(name)
-        words = _words(float(joint.frictionloss), np.atleast_1d(joint.damping))
-        if words:
-            found[name] = words
-    return found
+    own = ((name, spec.joint(name)) for name in joints)
+    found = {name: _words(j.frictionloss, np.atleast_1d(j.damping)) for name, j in own}
+    return {name: words for name, words in found.items() if words}
 
 
 def clear_native_friction(spec: mujoco.MjSpec, joints: Iterable[str]) -> None:

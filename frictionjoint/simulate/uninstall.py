@@ -7,15 +7,8 @@ import numpy as np
 
 from frictionjoint.arguments import require_spec
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.block import (
-    COUNT,
-    HEAD,
-    MAGIC,
-    TAG,
-    have_rows,
-    remove_assumed,
-    rows_of_block,
-)
+from frictionjoint.simulate import block as slot
+from frictionjoint.simulate.block import TAG, have_rows, remove_assumed, rows_of_block
 from frictionjoint.simulate.mechanism import remove_mechanism
 from frictionjoint.simulate.model_view import without_tag
 from frictionjoint.simulate.shaft_wave import remove_waves
@@ -62,7 +55,8 @@ def take_out(spec: mujoco.MjSpec, joints: Sequence[str], mechanism: bool = True)
     rows = 0
     for numeric in ours:
         block = np.asarray(numeric.data)
-        if len(block) <= HEAD or block[0] != MAGIC or len(block) != HEAD + 5 * block[COUNT]:
+        n = len(block)
+        if n <= slot.HEAD or block[0] != slot.MAGIC or n != slot.HEAD + 5 * block[slot.COUNT]:
             raise ModelError(f"numeric {numeric.name} is damaged: delete it in the MJCF by hand")
         rows += rows_of_block(block)
     if not have_rows(all_of_them, spec.nuserdata):

@@ -68,7 +68,7 @@ class WarpFriction:
         self._mjw, self._wp, self._model, self._data = mjw, wp, m, d
         self._layout = made = Layout(mjm, found, warp_kernel.FRONT)
         motor = m.actuator_gainprm.dtype
-        kernels = warp_kernel.build(made.has_effects, motor, made.header)
+        kernels, self._Motors = warp_kernel.build(made.has_effects, motor, made.header)
         self._take_back, self._friction, self._acted, self._reset = kernels
         self.joints = made.joints
         self.joint_rows = dict(zip(made.joints, made.rows.tolist(), strict=True))
@@ -122,26 +122,16 @@ class WarpFriction:
         body = [m.dof_invweight0, self._locked, m.M_rowadr, m.M_rownnz, m.dof_armature]
         gravity = [m.jnt_bodyid, m.jnt_axis, m.opt.gravity]
         motion = [d.time, d.qpos, d.qvel, d.qfrc_bias, self._pushed, self._moved, d.qacc]
-        motors = [
-            *(self._motor_first if drives else self._no_motor, self._motors),
-            *(not m.opt.disableflags & bit.CLAMPCTRL, d.ctrl),
-            *(m.actuator_ctrllimited, m.actuator_ctrlrange),
-            *(m.actuator_gear, m.actuator_gainprm, m.actuator_biasprm),
-        ]
-        inputs = [
-            *where,
-            self._loads,
-            m.opt.timestep,
-            *body,
-            *gravity,
-            *motion,
-            d.qfrc_constraint,
-            d.xaxis,
-            d.xmat,
-            *motors,
-        ]
-        outputs = [d.M, self._of_effects, d.qfrc_passive]
-        self._launch(self._friction, [*inputs, self.state], outputs)
+        motors = self._Motors()
+        motors.first = self._motor_first if drives else self._no_motor
+        motors.acting, motors.ctrl = self._motors, d.ctrl
+        motors.clamps = not m.opt.disableflags & bit.CLAMPCTRL
+        motors.limited, motors.limits = m.actuator_ctrllimited, m.actuator_ctrlrange
+        motors.gears = m.actuator_gear
+        motors.gains, motors.biases = m.actuator_gainprm, m.actuator_biasprm
+        inputs = [*where, self._loads, m.opt.timestep, *body, *gravity, *motion]
+        inputs += [d.qfrc_constraint, d.xaxis, d.xmat, motors, self.state]
+        self._launch(self._friction, inputs, [d.M, self._of_effects, d.qfrc_passive])
         self._mjw.factor_m(m, d)
 
     def _launch(self, kernel: Any, inputs: list[Any], outputs: list[Any]) -> None:

@@ -49,8 +49,9 @@ TIME_SHOWN, CLOCK, PLACE_SHOWN, PLACE, FRONT = range(5)
 
 
 @functools.lru_cache(maxsize=8)
-def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, Any]:
-    """The kernels that take friction out of M, evaluate it, read its torque, and reset it.
+def build(with_effects: bool, motor: Any, header: int) -> tuple[tuple[Any, Any, Any, Any], Any]:
+    """The kernels that take friction out of M, evaluate it, read its torque, and reset it; and the
+    structure of a model's motors.
 
     Args:
         with_effects: whether any joint carries effects.
@@ -71,7 +72,20 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
     load_of_others = made.get("simulate_joint_effects_coupled_load")
     double, floats, doubles = wp.float64, wp.array(dtype=float), wp.array2d(dtype=wp.float64)
     vectors, matrices = wp.array2d(dtype=wp.vec3), wp.array2d(dtype=wp.mat33)
-    motors = wp.array2d(dtype=motor)
+
+    @wp.struct
+    class Motors:
+        """Actuators of joints that saturate: those of joint k are acting[first[k]:first[k + 1]]."""
+
+        first: wp.array(dtype=int)
+        acting: wp.array(dtype=int)
+        clamps: bool
+        ctrl: wp.array2d(dtype=float)
+        limited: wp.array(dtype=bool)
+        limits: wp.array2d(dtype=wp.vec2)
+        gears: wp.array2d(dtype=wp.spatial_vector)
+        gains: wp.array2d(dtype=motor)
+        biases: wp.array2d(dtype=motor)
 
     @wp.func
     def follow(X: Any, x: Any, t: Any, q: Any, v: Any, h: Any):
@@ -99,34 +113,21 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         X[x + PLACE_SHOWN] = q
 
     @wp.func
-    def asked(
-        world: int,
-        first: int,
-        last: int,
-        q: wp.float64,
-        v: wp.float64,
-        acting: wp.array(dtype=int),
-        clamps: bool,
-        ctrl: wp.array2d(dtype=float),
-        limited: wp.array(dtype=bool),
-        limits: wp.array2d(dtype=wp.vec2),
-        gears: wp.array2d(dtype=wp.spatial_vector),
-        gains: motors,
-        biases: motors,
-    ):
+    def asked(motors: Motors, k: int, world: int, q: wp.float64, v: wp.float64):
         """Commanded torque of a joint's motors, see `motor.commanded_torque`."""
         total = double(0.0)
-        for n in range(first, last):
-            i = acting[n]
-            u = ctrl[world, i]
-            if clamps and limited[i]:
-                limit = limits[world % limits.shape[0], i]
+        for n in range(motors.first[k], motors.first[k + 1]):
+            i = motors.acting[n]
+            u = motors.ctrl[world, i]
+            if motors.clamps and motors.limited[i]:
+                limit = motors.limits[world % motors.limits.shape[0], i]
                 u = wp.clamp(u, limit[0], limit[1])
             if u != u:
                 u = float(0.0)  # noqa: UP018 - a constant could not change for warp
-            gear = double(gears[world % gears.shape[0], i][0])
-            bias = biases[world % biases.shape[0], i]
-            force = double(gains[world % gains.shape[0], i][0]) * double(u) + double(bias[0])
+            gear = double(motors.gears[world % motors.gears.shape[0], i][0])
+            bias = motors.biases[world % motors.biases.shape[0], i]
+            gain = motors.gains[world % motors.gains.shape[0], i][0]
+            force = double(gain) * double(u) + double(bias[0])
             force = force + gear * (double(bias[1]) * q + double(bias[2]) * v)
             total = total + gear * force
         return total
@@ -181,15 +182,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         constraint: wp.array2d(dtype=float),
         world_axis: vectors,
         xmat: matrices,
-        motor_first: wp.array(dtype=int),
-        acting: wp.array(dtype=int),
-        clamps: bool,
-        ctrl: wp.array2d(dtype=float),
-        limited: wp.array(dtype=bool),
-        limits: wp.array2d(dtype=wp.vec2),
-        gears: wp.array2d(dtype=wp.spatial_vector),
-        gains: motors,
-        biases: motors,
+        motors: Motors,
         state: doubles,
         mass: wp.array2d(dtype=float),
         of_effects: wp.array2d(dtype=float),
@@ -238,21 +231,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
                         others = double(0.0)  # left by a state gone astray that was set right
                     b = b + load_of_others(P, law, X, x + FRONT, loads[k], later, others)
                 rotor = double(armature[world % armature.shape[0], dof])
-                wanted = asked(
-                    world,
-                    motor_first[k],
-                    motor_first[k + 1],
-                    q,
-                    v,
-                    acting,
-                    clamps,
-                    ctrl,
-                    limited,
-                    limits,
-                    gears,
-                    gains,
-                    biases,
-                )
+                wanted = asked(motors, k, world, q, v)
                 others_torque = effect_torque(
                     P, law, effects, X, x + FRONT, t, q, v, b, J - rotor, rotor, gx, gy, wanted
                 )
@@ -296,4 +275,4 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[Any, Any, Any, A
         if mask[world]:
             state[world, rows[k] + FRONT + STEP] = double(0.0)
 
-    return take_back, friction, acted, reset
+    return (take_back, friction, acted, reset), Motors
