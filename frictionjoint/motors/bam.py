@@ -31,16 +31,14 @@ from frictionjoint.structured_files import read_json
 _PLAIN = ("friction_base", "friction_viscous")
 _FALLING = ("friction_stribeck", "dtheta_stribeck", "alpha")
 _SIDES = ("load_friction_motor", "load_friction_external")
+_M5 = (*_PLAIN, *_FALLING, *_SIDES, *(f"{name}_stribeck" for name in _SIDES))
 MODELS = {
     "m1": _PLAIN,
     "m2": (*_PLAIN, *_FALLING),
     "m3": (*_PLAIN, "load_friction_base"),
     "m4": (*_PLAIN, *_FALLING, "load_friction_base", "load_friction_stribeck"),
-    "m5": (*_PLAIN, *_FALLING, *_SIDES, *(f"{name}_stribeck" for name in _SIDES)),
-    "m6": (
-        *(*_PLAIN, *_FALLING, *_SIDES, *(f"{name}_stribeck" for name in _SIDES)),
-        *(f"{name}_quad" for name in _SIDES),
-    ),
+    "m5": _M5,
+    "m6": (*_M5, *(f"{name}_quad" for name in _SIDES)),
 }
 # rad/s over which BAM's standstill is drawn out, and rad over which a change of load is reached
 _STANDSTILL, _REACH = 1e-3, 1e-4
@@ -166,8 +164,8 @@ def to_bam(
         0.5 * (a + b) for a, b in zip(by_side["pos"], by_side["neg"], strict=True)
     )
     load, falling, said = _loads(joint)
-    least = {(False, False): "m1", (True, False): "m2", (False, True): "m3", (True, True): "m4"}
-    model = model or least[Fs > Fc or falling > 0.0, load > 0.0 or falling > 0.0]
+    falls, loaded = Fs > Fc or falling > 0.0, load > 0.0 or falling > 0.0
+    model = model or f"m{1 + falls + 2 * loaded}"
     held: Mapping[str, float] = {
         "friction_base": Fc,
         "friction_viscous": sigma2,

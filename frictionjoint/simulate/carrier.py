@@ -125,12 +125,9 @@ def heating_first(effects: Sequence[SimulatedEffect]) -> list[SimulatedEffect]:
 def _encode(law: Array, effects: list[SimulatedEffect]) -> Array:
     numbers = np.concatenate([law, [float(len(effects))], *(e.pack() for e in effects)])
     head = np.array([slot.MAGIC, slot.VERSION, 0, 0, 0, 0, 0, len(numbers), slot.HEAD + len(law)])
-    return np.concatenate([head, numbers, pieces(numbers)])
-
-
-def pieces(numbers: Array) -> Array:
-    """Four 16-bit integers for each double, which XML keeps exactly."""
-    return np.frombuffer(numbers.astype("<f8").tobytes(), dtype="<u2").astype(np.float64)
+    # four 16-bit integers for each double, which XML keeps exactly
+    integers = np.frombuffer(numbers.astype("<f8").tobytes(), dtype="<u2").astype(np.float64)
+    return np.concatenate([head, numbers, integers])
 
 
 def resolve(model: mujoco.MjModel | ModelView, in_userdata: bool = True) -> dict[str, int]:

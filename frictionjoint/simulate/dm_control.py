@@ -13,6 +13,7 @@ A bare ``Physics`` needs nothing from here: ``with frictionjoint.attach(physics.
 
 import contextlib
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -101,14 +102,12 @@ def attach(
     # kept here: composer frees a physics, and its model, at the next reset
     model = environment.physics.model.ptr
     with attach_model(model), contextlib.ExitStack() as inside:
-        if isinstance(environment, composer.Environment):
+        composed = isinstance(environment, composer.Environment)
+        if composed:
             _hook(environment, inside, "after_compile", resolve)
         if drawn is not None:
-
-            def draw(model: mujoco.MjModel) -> None:
-                drawn.draw(model, random)
-
-            if isinstance(environment, composer.Environment):
+            draw = partial(drawn.draw, random=random)
+            if composed:
                 _hook(environment, inside, "initialize_episode", draw)
             else:
                 _before_episodes(environment.task, inside, draw)

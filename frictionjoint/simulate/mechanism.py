@@ -95,6 +95,9 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
     set_first(made, "stiffness", 0.0)
     set_first(made, "damping", 0.0)
     more, ratio = spring.inertia - link, 1.0
+    hinge, from_geom = joint.type == mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtInertiaFromGeom
+    # an explicit inertia, not one from geoms
+    own_inertia = hinge and spec.compiler.inertiafromgeom != from_geom.mjINERTIAFROMGEOM_TRUE
     if np.any(model.dof_parentid == dof):
         joint.armature = max(armature, spring.least_rotor)
     elif more > 0.0:
@@ -102,7 +105,9 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
         tendon.wrap_joint(name, 1.0)
         tendon.wrap_joint(name + DEFLECTION, 1.0)
         joint.armature = armature - more
-    elif _lighter(spec, model, j, -more) or _nearer(spec, model, j, -more):
+    elif own_inertia and (
+        _lighter(joint.parent, model, j, -more) or _nearer(joint.parent, model, j, -more)
+    ):
         joint.armature = armature - more
     else:
         ratio = link / spring.inertia
@@ -115,7 +120,6 @@ def add_mechanism(spec: mujoco.MjSpec, name: str, effects: Sequence[tuple[Effect
         return
     compiled = spec.copy().compile()
     weight = float(compiled.dof_invweight0[int(compiled.joint(made.name).dofadr[0])])
-    hinge = joint.type == mujoco.mjtJoint.mjJNT_HINGE
     unit = 180.0 / math.pi if hinge and spec.compiler.degree else 1.0
     made.limited = mujoco.mjtLimited.mjLIMITED_TRUE
     made.range = np.array([-1.0, 1.0]) * spring.half_gap / ratio * unit
@@ -194,10 +198,8 @@ def _spring(
     return _Spring(behind, behind * rate**2, damping, half_gap, least)
 
 
-def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
+def _lighter(body: mujoco.MjsBody, model: mujoco.MjModel, j: int, excess: float) -> bool:
     """Reduce the inertia of a body about a hinge by kg m^2; False if no such body can exist."""
-    if not _own_inertia(spec, model, j):
-        return False
     b = int(model.jnt_bodyid[j])
     flat = np.zeros(9)
     mujoco.mju_quat2Mat(flat, model.body_iquat[b])
@@ -209,15 +211,14 @@ def _lighter(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) 
     axes[:, 2] *= np.linalg.det(axes)
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, (frame @ axes).reshape(-1))
-    body = spec.joint(model.joint(j).name).parent
     _give(body, float(model.body_mass[b]), model.body_ipos[b], moments, quat)
     return True
 
 
-def _nearer(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -> bool:
+def _nearer(body: mujoco.MjsBody, model: mujoco.MjModel, j: int, excess: float) -> bool:
     """Reduce the inertia about a hinge by moving the mass nearer, with its first moment kept;
     False if other joints feel the mass, or if its distance does not suffice."""
-    if not _own_inertia(spec, model, j) or model.dof_parentid[model.jnt_dofadr[j]] >= 0:
+    if model.dof_parentid[model.jnt_dofadr[j]] >= 0:
         return False
     b = int(model.jnt_bodyid[j])
     mass, place, axis = float(model.body_mass[b]), model.body_ipos[b], model.jnt_axis[j]
@@ -228,17 +229,9 @@ def _nearer(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int, excess: float) -
     if excess >= 0.95 * away:
         return False
     far = excess / away
-    body = spec.joint(model.joint(j).name).parent
-    there = mass / (1.0 - far), place - far * across
-    _give(body, *there, model.body_inertia[b], model.body_iquat[b])
+    nearer = place - far * across
+    _give(body, mass / (1.0 - far), nearer, model.body_inertia[b], model.body_iquat[b])
     return True
-
-
-def _own_inertia(spec: mujoco.MjSpec, model: mujoco.MjModel, j: int) -> bool:
-    """Whether a hinge's body has an explicit inertia, not one from its geoms."""
-    if model.jnt_type[j] != mujoco.mjtJoint.mjJNT_HINGE:
-        return False
-    return bool(spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE)
 
 
 def _give(body: mujoco.MjsBody, mass: float, place: Array, inertia: Array, quat: Array) -> None:

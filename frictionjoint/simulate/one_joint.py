@@ -54,7 +54,8 @@ class JointModel:
         gain: N m per unit of the drive. back_emf: N m s/rad, while the drive is on.
         inertia: kg m^2 in addition to the MJCF's. lag: s from a tick to its torque.
     Attributes:
-        numbers: block of the law, then of the effects. effects: where those begin.
+        numbers: block of the law, then of the effects. effects: where those begin. row: number of
+            float64 of state.
         thermal: place in the row and reference, deg C, of each temperature in an effect's memory,
             shape (k, 2).
     """
@@ -72,18 +73,14 @@ class JointModel:
         self.numbers = np.concatenate([packed, [float(len(effects))], *(e.pack() for e in effects)])
         self.effects = len(packed)
         self.gain, self.back_emf, self.inertia, self.lag = gain, back_emf, inertia, lag
-        memory = FRONT + int(law_row_size(self.numbers, 0))
+        law_row = int(law_row_size(self.numbers, 0))
+        self.row = row_size(law_row, len(effects))
         thermal = [
-            (float(memory + MEMORY * i), e.shape[0])
+            (float(FRONT + law_row + MEMORY * i), e.shape[0])
             for i, e in enumerate(effects)
             if TEMP in e.effect.needs
         ]
         self.thermal = np.array(thermal).reshape(-1, 2)
-
-    @property
-    def row(self) -> int:
-        """Number of float64 of state."""
-        return row_size(int(law_row_size(self.numbers, 0)), int(self.numbers[self.effects]))
 
 
 @dataclass(frozen=True)
@@ -94,8 +91,7 @@ class Run:
         step: s. target: as received by the controller, rad.
         supply: supply voltage relative to that of the block.
         on: whether the drive is on. start: position and velocity at the first step.
-        temperature: as measured, deg C, shape (n,); None: effects are at their reference
-            temperatures.
+        temperature: as measured, deg C; None: effects are at their reference temperatures.
     """
 
     step: float
@@ -123,8 +119,7 @@ def simulate(
     Args:
         motion: measured position and velocity on the steps, shape (n,) each, from which the run is
             restarted after every `window` steps; friction and controller follow that motion up to
-            there.
-            None: the whole run is free.
+            there. None: the whole run is free.
     """
     n = len(run.target)
     q, v = motion if motion is not None else (np.zeros(0), np.zeros(0))

@@ -30,27 +30,12 @@ static inline double fj_abs(double x)
     return x < 0.0 ? -x : x;
 }
 
-static inline int fj_abs_int(int x)
-{
-    return x < 0 ? -x : x;
-}
-
 static inline double fj_min(double a, double b)
 {
     return b < a ? b : a;
 }
 
 static inline double fj_max(double a, double b)
-{
-    return b > a ? b : a;
-}
-
-static inline int fj_min_int(int a, int b)
-{
-    return b < a ? b : a;
-}
-
-static inline int fj_max_int(int a, int b)
 {
     return b > a ? b : a;
 }
@@ -166,6 +151,9 @@ _HELPERS = {
     _FUNCTION.findall(text)[0]: text
     for text in Template(_SOURCE).substitute(_NUMBERS).split("\n\n")
 }
+for _name in ("abs", "min", "max"):
+    _real = _HELPERS[_name].replace("double", "int").replace("0.0", "0")
+    _HELPERS[f"{_name}_int"] = _real.replace("(", "_int(", 1)
 
 
 def helpers_of(names: set[str], dialect: Dialect) -> list[str]:
