@@ -11,7 +11,7 @@ from setuptools.command.build_py import build_py
 # kernels run as Python while they are translated
 os.environ["FRICTIONJOINT_PYTHON"] = "1"
 ROOT = Path(__file__).parent
-# a name of `frictionjoint.translate.compiler.TARGETS`, to compile for another machine
+# a name of `frictionjoint.translate.build.TARGETS`, to compile for another machine
 TARGET = os.environ.get("FRICTIONJOINT_TARGET")
 PLATFORMS = {
     "linux-x86_64": "manylinux_2_17_x86_64",

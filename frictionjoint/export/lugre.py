@@ -15,8 +15,7 @@ from scipy.optimize import minimize_scalar
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
 from frictionjoint.export.motion import Motion
-from frictionjoint.export.native import add_plain
-from frictionjoint.export.sliding import PlainFriction, levels
+from frictionjoint.export.sliding import PlainFriction, add_plain, levels
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 from frictionjoint.rivals import LuGreParameters

@@ -19,8 +19,7 @@ from frictionjoint.export.losses import Loss, losses
 from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
-from frictionjoint.export.native import add_plain
-from frictionjoint.export.sliding import PlainFriction
+from frictionjoint.export.sliding import PlainFriction, add_plain
 from frictionjoint.export.targets import FILES, Target
 from frictionjoint.export.urdf import urdf_text
 from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs

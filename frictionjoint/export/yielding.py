@@ -16,8 +16,7 @@ from scipy.optimize import nnls
 
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
-from frictionjoint.export.native import add_plain
-from frictionjoint.export.sliding import PlainFriction
+from frictionjoint.export.sliding import PlainFriction, add_plain
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.parameters import Friction
 

@@ -8,15 +8,13 @@ exact double is restored when the block is resolved. A block is
     6 id of the joint   7 count of numbers N   8 where the effects begin
     9.. N numbers: the law's block, then the effects' block       then 4 N integers
 
-If a plain number differs from its exact double in the first six digits, a user has changed the
-plain number, and the plain number is used.
+A plain number that a user has changed, in its first six digits, is used instead of its double.
 
 Slots 2 to 6 belong to one compiled model. `carrier.resolve` writes them, by name, so that
-``MjSpec.attach`` with a prefix works and the callback never looks up a name. Slot 2 is 0 before
-`resolve` and 1 after it; it is -1 if the callback met a model that cannot be resolved
-(`resolve_when_stepped`). A resolved block no longer needs the integers. If the model is not yet in
-use, `resolve` moves its blocks together without the integers, so that a step of many joints reads a
-quarter of the memory.
+``MjSpec.attach`` with a prefix works and the callback never looks up a name. Slot 2 is then 1; it
+is -1 if the callback met a model that cannot be resolved (`resolve_when_stepped`). If the model is
+not yet in use, `resolve` moves its blocks together without the integers, so that a step of many
+joints reads a quarter of the memory.
 
 What is assumed about a friction is ``<custom><text name="frictionjoint-assumed:JOINT">``.
 """

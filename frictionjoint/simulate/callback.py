@@ -1,7 +1,5 @@
-"""The passive-force callback in Python: the code of `simulate.native`, on MuJoCo's own objects.
-
-There a structure is an address and a field an offset from it; here a structure is an MjModel or an
-MjData, and a field is one of its attributes.
+"""The passive-force callback in Python: the code of `simulate.native`, with MjModel and MjData for
+addresses, and their attributes for offsets.
 """
 
 import types

@@ -19,7 +19,7 @@ from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate import block as slot
 from frictionjoint.simulate.block import TAG, blocks, have_rows, make_room, rows_of_block
-from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, require_place
+from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, delay_sensors, require_place
 from frictionjoint.simulate.model_view import ModelView, names_of
 from frictionjoint.simulate.motor import check_motors, gives_less
 from frictionjoint.simulate.native_friction import (
@@ -27,7 +27,6 @@ from frictionjoint.simulate.native_friction import (
     counts_twice,
     native_friction_of_spec,
 )
-from frictionjoint.simulate.sensor_delay import delay_sensors
 from frictionjoint.simulate.shaft_wave import resolve_waves
 from frictionjoint.simulate.uninstall import carrying, take_out
 
@@ -45,9 +44,8 @@ def install(
     """Write friction into a spec and reserve room for its state in ``userdata``.
 
     Existing user data of the model stays in front. An elastic joint, or one with backlash, gets
-    another joint behind it (``simulate.mechanism``), a delayed instrument delayed sensors
-    (``simulate.sensor_delay``). If a joint has ``frictionloss`` or ``damping``
-    of its own, friction would count twice: a warning says so.
+    another joint behind it, and a delayed instrument delayed sensors (``simulate.mechanism``). A
+    warning says if friction would count twice.
 
     Args:
         spec: changed in place, only if every joint is suitable.

@@ -11,9 +11,9 @@ from frictionjoint.joint_friction import JointFriction, SimulatedEffect
 from frictionjoint.law.kernel import presliding
 from frictionjoint.model_joints import is_slide
 from frictionjoint.parameter_checks import SIDES
+from frictionjoint.simulate.attach import callback_is_off
 from frictionjoint.simulate.block import assumed
 from frictionjoint.simulate.carrier import read_friction
-from frictionjoint.simulate.installed import callback_is_off
 from frictionjoint.simulate.mechanism import DEFLECTION, require_flags
 from frictionjoint.simulate.native_friction import CLEAR, native_friction, tendon_friction
 

@@ -1,4 +1,6 @@
-"""Elasticity and backlash in a model: a second joint between motor and link.
+"""Effects that are parts of a model: joints between motor and link, delayed sensors.
+
+Elasticity and backlash are a second joint.
 
 The joint with friction turns with the motor: actuators, encoder and friction act on this joint, and
 its armature is the rotor. Behind it, a joint with the same axis, ``JOINT_deflection``, is the angle
@@ -18,6 +20,10 @@ with the motor locked, and its damping. How the model receives them depends on t
 * A joint with other joints behind it: the inertia is that of the bodies, in every pose, and the fit
   gives stiffness and damping.
 * A joint with a gap: the link behind the gap is without the parts that turn with the motor.
+
+A `measurement-delay` is MuJoCo's own delay of a joint's sensors: of position and velocity if the
+position is logged late, of the actuator force if the torque is. A joint without such sensors gets
+them. Nothing else is delayed: the simulation itself uses the true position.
 """
 
 import math
@@ -43,6 +49,9 @@ _LEAST_ROTOR, _MOST_ROTOR = 0.01, 0.5
 # flank's edge within a step gives or takes energy, so half as many
 _FASTEST = 0.7
 _FASTEST_FLANK = 0.5 * _FASTEST
+_POSITION = (mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtSensor.mjSENS_JOINTVEL)
+_TORQUE = (mujoco.mjtSensor.mjSENS_JOINTACTFRC,)
+_NAMES = {_POSITION[0]: "position", _POSITION[1]: "velocity", _TORQUE[0]: "torque"}
 
 
 class _Spring(NamedTuple):
@@ -251,3 +260,17 @@ def _in_keys(
             numbers = np.asarray(getattr(key, field))
             if numbers.size:
                 setattr(key, field, change(numbers, at, *value))
+
+
+def delay_sensors(spec: mujoco.MjSpec, joint: str, delay: float) -> None:
+    """Delay a joint's sensors, s: of the position if above 0, of the torque if below; in place."""
+    late, of_joint = _POSITION if delay > 0.0 else _TORQUE, mujoco.mjtObj.mjOBJ_JOINT
+    for kind, name in _NAMES.items():
+        found = [s for s in spec.sensors if s.type == kind and s.objname == joint] or [
+            spec.add_sensor(name=f"{joint}_{name}", type=kind, objtype=of_joint, objname=joint)
+        ]
+        for sensor in found if kind in late else ():
+            sensor.delay = abs(delay)
+            # linear between the samples that MuJoCo keeps
+            sensor.interp = 1
+            sensor.nsample = math.ceil(abs(delay) / spec.option.timestep) + 2

@@ -1,9 +1,8 @@
 """The passive callback in C: MuJoCo calls it with the addresses of a model and its data.
 
-The offsets of their fields are known after the process has loaded its MuJoCo. They are kept in a
-table (``simulate.layout`` verifies it against a live model). ``simulate.callback`` runs the same
-code in Python. It is stateless: parameters are read from the model's numerics, state from the
-data's userdata. For a model without friction it only looks through its numerics.
+The offsets of their fields (``simulate.layout``) are known after the process has loaded its MuJoCo.
+``simulate.callback`` runs the same code in Python. It is stateless: parameters are read from the
+model's numerics, state from the data's userdata.
 """
 
 import ctypes

@@ -1,8 +1,7 @@
 """One joint in closed loop, without MuJoCo: its law, its effects, its load and its controller.
 
 It steps as MuJoCo does with implicitfast, with the kernels of the callback, about fifty times
-faster, because a fit to simulated motion needs thousands of runs. Other joints follow their
-measured motion. Limits and contacts are left out.
+faster. Other joints follow their measured motion. Limits and contacts are left out.
 """
 
 import math
@@ -112,9 +111,8 @@ def simulate(
 ) -> Array:
     """Position at every step, rad, shape (n,).
 
-    If a joint is at rest at first, friction holds it as far as it can against its load, its effects
-    and its drive, which is assumed to have acted before; otherwise friction starts as if never
-    moved.
+    Friction holds a joint that is at rest at first, as far as it can, against its load, its effects
+    and its drive, which is assumed to have acted before; otherwise it starts as if never moved.
 
     Args:
         motion: measured position and velocity on the steps, shape (n,) each, from which the run is

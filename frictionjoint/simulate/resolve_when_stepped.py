@@ -1,8 +1,7 @@
 """Models that the callback meets before they are prepared.
 
 A model that is compiled, copied or loaded while friction is on has its parameters, but not yet its
-own addresses. The native callback requests them here when it first meets the model: one call into
-Python per model.
+own addresses. The native callback requests them here when it first meets the model.
 """
 
 import ctypes

@@ -9,14 +9,12 @@ evaluated one:
 * a call at an earlier time, one that comes more than `LEAP` time steps later, or an all-zero row,
   starts afresh: at rest and never moved.
 
-No step is longer than ``opt.timestep``, so a gap of several steps is treated as a state set by the
-user, not as motion: for example ``mujoco.rollout`` from states of increasing time, whose user data
-is not part of mjSTATE_FULLPHYSICS. The step is the model's, or that of the last evaluation where
-it was longer, so that the time step may change during a run.
+No step is longer than ``opt.timestep``, so a gap of several steps is a state set by the user, not
+motion: for example ``mujoco.rollout`` from states of increasing time, whose user data is not part
+of mjSTATE_FULLPHYSICS. The step is the model's, or that of the last evaluation where it was longer,
+so that the time step may change during a run.
 
-Friction is implicit: over a step it is TORQUE + GAIN w, with w the velocity at the step's end, and
-GAIN times the step is added to the joint's entry of MuJoCo's mass matrix
-(``simulate.mass_matrix``).
+Over a step friction is TORQUE + GAIN w, with w the velocity at its end (``simulate.mass_matrix``).
 
 Row ``X[x:]``: STEP, the time step of the last evaluation (0 before the first); time, position,
 velocity, torque over the step without its GAIN, and GAIN, all five committed, then evaluated; the

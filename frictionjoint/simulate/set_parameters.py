@@ -35,7 +35,6 @@ def set_parameters(model: mujoco.MjModel, joint: str, parameters: Friction | Joi
 
     Args:
         model: with friction at the joint; changed in place.
-        joint: its name.
         parameters: of the same law with as many knots, in N m and rad (N and m for a slide); or a
             `JointFriction` of ``report.samples`` with the same effects as the joint. Without
             effects, those of the model stay.
@@ -58,13 +57,11 @@ def write_parameters(
     Args:
         numeric_data: ``model.numeric_data``, or a row of ``batch.expand("numeric_data")``;
             changed in place, only if all fits.
-        block: where the joint's block begins, from `block.blocks`.
-        parameters: as `set_parameters` takes them.
-        joint: its name, for messages.
+        block: where the joint's block begins. parameters: as `set_parameters` takes them.
     Returns:
         where in ``numeric_data`` the numbers end that were written from block + HEAD on.
     Raises:
-        ModelError: another law, another number of knots or other effects, which need compiling.
+        ModelError: as `set_parameters`.
     """
     if numeric_data[block] != MAGIC:
         raise ModelError(
@@ -98,10 +95,9 @@ def write_parameters(
 def forget(model: mujoco.MjModel, data: mujoco.MjData, joint: str | None = None) -> None:
     """Reset the friction state of data: at rest and never moved.
 
-    Call it after setting positions by hand, for example after a teleport or for the reference state
-    of an episode. Without it, a change of ``qpos`` is a motion for the friction and loads the
-    presliding springs. The memory of effects (temperatures, warmth) is reset too; ``mj_resetData``
-    does the same for the whole state.
+    Call it after setting positions by hand: otherwise a change of ``qpos`` is a motion for the
+    friction and loads the presliding springs. The memory of effects (temperatures, warmth) is reset
+    too; ``mj_resetData`` does the same for the whole state.
 
     Args:
         model: with friction. data: of that model, changed in place.

@@ -119,7 +119,7 @@ def set_warmth(model: mujoco.MjModel, data: mujoco.MjData, joint: str, warm: flo
 
 
 class _Place(NamedTuple):
-    """An effect with a thermal state: its numbers, and where its memory is, which stands twice."""
+    """An effect with a thermal state: its numbers, and the two places of its memory."""
 
     kind: _Kind
     numbers: Array

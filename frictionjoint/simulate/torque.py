@@ -16,9 +16,9 @@ from frictionjoint.law.memory import BOUND, FORGOTTEN, N_MAX, N_MIN, RATE
 from frictionjoint.law.stribeck import SIGMA2, VS
 from frictionjoint.parameters import FrictionParameters
 from frictionjoint.simulate import block as slot
+from frictionjoint.simulate.attach import warn_if_idle
 from frictionjoint.simulate.block import blocks, effects_of
 from frictionjoint.simulate.carrier import read_friction, resolve
-from frictionjoint.simulate.installed import warn_if_idle
 from frictionjoint.simulate.row import FRONT, GAIN, STEP, T_EVALUATED, TORQUE, V_EVALUATED
 from frictionjoint.simulate.thermal import temperature_of
 
@@ -136,8 +136,7 @@ class Remembered:
     """Memory of one joint.
 
     Attributes:
-        minima: number of extrema on the stack m, without its limit.
-        maxima: the same on M.
+        minima, maxima: number of extrema on the stacks m and M, without their limits.
         forgotten: pairs of extrema removed for lack of room since the joint began to move.
         error: N m; bound on the error of the hysteresis torque compared with unlimited stacks: the
             sum of the gaps that the removed pairs left, and never more than Fs_pos + Fs_neg.

@@ -2,8 +2,7 @@
 
 mujoco_warp calls ``Model.callback.passive`` where MuJoCo calls ``mjcb_passive``. `attach_warp` puts
 the friction of an MJCF there. The state of every world is in one warp array of the returned
-`WarpFriction`, not in ``userdata``; the rule that commits it is the same: a later time commits the
-last evaluated point, the same time evaluates again, an earlier time resets.
+`WarpFriction`, not in ``userdata``; the rule that commits it is that of `simulate.row`.
 """
 
 import warnings
@@ -17,8 +16,8 @@ from frictionjoint.arguments import require_model
 from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
+from frictionjoint.simulate.attach import require_callback
 from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.installed import require_callback
 from frictionjoint.simulate.set_parameters import require_joint
 from frictionjoint.simulate.shaft_wave import wave_losses
 from frictionjoint.simulate.warp_layout import Layout
@@ -151,16 +150,12 @@ class WarpFriction:
     ) -> None:
         """Change the friction of a joint, in all worlds or separately in each.
 
-        The worlds' memory stays. A graph captured before keeps the old parameters. Parts of the
-        model itself, elasticity, backlash and delays, stay as they were compiled.
+        The worlds' memory stays. A graph captured before keeps the old parameters.
 
         Args:
-            joint: with friction.
-            parameters: one, or one per world: the law's, with as many knots, or a `JointFriction`
-                of `report.samples`, with the model's effects.
+            parameters: as `frictionjoint.set_parameters` takes them, one or one per world.
         Raises:
-            ModelError: no friction on that joint, another number of worlds, another law, another
-                number of knots or other effects.
+            ModelError: another number of worlds, or as `frictionjoint.set_parameters`.
         """
         made, nworld = self._layout, self._data.nworld
         at = self.joints.index(require_joint(self.joint_rows, joint))
@@ -180,13 +175,11 @@ class WarpFriction:
         self.parameters = turned.transpose()
 
     def torque(self) -> Any:
-        """Friction torques over the last step, positive against positive motion.
+        """Friction torques over the last step, as `frictionjoint.torque` defines them.
 
-        After ``mujoco_warp.forward`` they are the torques that a step from the present state would
-        have.
-
-        Returns: warp array of floats on the model's device, shape (nworld, number of `joints`), N m
-        (N for a slide joint); overwritten by the next call.
+        Returns:
+            warp array of floats on the model's device, shape (nworld, number of `joints`), N m (N
+            for a slide joint); overwritten by the next call.
         """
         d = self._data
         where = [self.parameters, self._blocks, self._rows]
@@ -195,10 +188,8 @@ class WarpFriction:
         return self._torque
 
     def reset(self, world_mask: Any = None) -> None:
-        """Reset the friction of worlds: at rest and never moved from their next evaluation on.
-
-        ``mujoco_warp.reset_data`` sets the time back, which has the same effect; this method is for
-        worlds whose time continues.
+        """Reset the friction of worlds whose time continues: at rest and never moved from their
+        next evaluation on. ``mujoco_warp.reset_data``, which sets the time back, does so too.
 
         Args:
             world_mask: shape (nworld,), booleans, as an array of numpy or of warp on the model's

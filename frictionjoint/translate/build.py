@@ -3,13 +3,18 @@
     python -m frictionjoint.translate.build FOLDER [TARGET]
 
 A build imports all modules with kernels. In this process the kernels run as Python
-(``FRICTIONJOINT_PYTHON=1``).
+(``FRICTIONJOINT_PYTHON=1``). The C compiler is that of the machine, or the one in the PyPI package
+``ziglang``.
 """
 
 import hashlib
 import importlib
+import importlib.util
 import json
 import os
+import shlex
+import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -17,7 +22,17 @@ from typing import Any
 
 from frictionjoint import compiled, library
 from frictionjoint.translate.c_file import unit
-from frictionjoint.translate.compiler import FLAGS, compile_library
+
+# Results equal those of Python: no fused multiply-add, and no reordering.
+FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", "-w")
+ENDINGS = {"linux": ".so", "macos": ".dylib", "windows": ".dll"}
+TARGETS = {
+    "linux-x86_64": "x86_64-linux-gnu.2.17",
+    "linux-aarch64": "aarch64-linux-gnu.2.17",
+    "macos-arm64": "aarch64-macos.11.0",
+    "windows-x86_64": "x86_64-windows-gnu",
+}
+"""What zig compiles for, by the names used here."""
 
 
 def all_kernels() -> dict[str, Any]:
@@ -36,7 +51,7 @@ def build(folder: Path, target: str | None = None) -> Path:
     A library of the same source that is already in the folder is kept.
 
     Args:
-        target: see `compiler.TARGETS`; None: this machine.
+        target: a key of `TARGETS`; None: this machine.
     Returns:
         path of the library.
     Raises:
@@ -51,7 +66,7 @@ def build(folder: Path, target: str | None = None) -> Path:
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
             source = Path(scratch) / "kernels.c"
             source.write_text(text, encoding="utf-8")
-            fresh = compile_library(source, Path(scratch), f"kernels-{digest}", target)
+            fresh = _compile(source, Path(scratch), f"kernels-{digest}", target)
             made = folder / fresh.name
             os.replace(fresh, made)
     said = {"library": made.name, "sources": stamps, "kernels": listed}
@@ -61,6 +76,36 @@ def build(folder: Path, target: str | None = None) -> Path:
     for old in folder.glob("kernels-*"):
         if old.name != made.name:
             old.unlink(missing_ok=True)
+    return made
+
+
+def _own_compiler() -> list[str] | None:
+    """Command of the installed compiler, preferably the one in ``CC``; None if there is none."""
+    asked = os.environ.get("CC")
+    if asked:
+        return shlex.split(asked)
+    found = next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
+    return [found] if found else None
+
+
+def _compile(source: Path, folder: Path, stem: str, target: str | None) -> Path:
+    """The shared library of a C file, for a target of `TARGETS` or, if None, this machine."""
+    compiler = None if target else _own_compiler()
+    if compiler is None:
+        if importlib.util.find_spec("ziglang") is None:
+            raise RuntimeError("no C compiler: install one, or ziglang from PyPI")
+        compiler = [sys.executable, "-m", "ziglang", "cc"]
+        compiler += ["-target", TARGETS[target]] if target else []
+    here = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
+    name = target.split("-")[0] if target else here
+    made = folder / f"{stem}{ENDINGS[name]}"
+    flags = [flag for flag in FLAGS if not (flag == "-fPIC" and name == "windows")]
+    flags += [] if name == "macos" else ["-s"]  # without symbols that are not needed
+    libraries = [] if name == "windows" else ["-lm"]
+    command = [*compiler, *flags, str(source), "-o", str(made), *libraries]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{shlex.join(command)} fails:\n{done.stderr[-4000:]}")
     return made
 
 
