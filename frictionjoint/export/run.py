@@ -30,8 +30,6 @@ from frictionjoint.simulate.carrier import install, load_model, read_friction
 from frictionjoint.simulate.shaft_wave import remove_waves, wave_losses
 from frictionjoint.simulate.uninstall import take_out
 
-# law and effects as they are
-_WHOLE = ("c", "mjlab")
 # a constant torque, a spring
 _SPRINGS = ("native", "mjx", "newton")
 # effects that are joints, springs and sensors of the model
@@ -110,9 +108,10 @@ def export(
         raise ModelError("--yield is for the target native, without --lugre")
     if lugre and target != "native":
         raise ModelError(f"{target} has no LuGre friction: leave out --lugre")
-    if target in _WHOLE:
-        text, lost = _whole(task, model)
-        return Exported(text, (*lost, *waves))
+    if target == "c":
+        return Exported(c.header(friction, out.name), (*c.lost_effects(friction), *waves))
+    if target == "mjlab":
+        return Exported(scripts.mjlab_text(path, out, list(friction), model), waves)
     motions = _motions(task, model, speeds, log, columns or {})
     # coefficients of damping; MuJoCo's own is a polynomial
     terms = 3 if target == "native" else 1
@@ -148,9 +147,7 @@ def export(
             refused = [f"MJX refuses {x}" for x in fit_for_mjx(rigid)]
         text, exported = _with_assets(add(whole), task), add(rigid).compile()
     # a joint slides once 99% of the change of friction behind a reversal is done
-    before_sliding = {
-        name: presliding_distance(friction[name].parameters, 0.99) for name in motions
-    }
+    before_sliding = {n: presliding_distance(friction[n].parameters, 0.99) for n in motions}
     found = losses(task.rigid(), bare, exported, motions, actuators, before_sliding)
     return Exported(text, (*_lost(task, plain, bare, softened), *refused, *waves), tuple(found))
 
@@ -173,25 +170,15 @@ def _motions(
     return found
 
 
-def _whole(task: _Task, model: mujoco.MjModel) -> tuple[str, list[str]]:
-    """Text with law and effects as they are, and what is lost nevertheless."""
-    if task.target == "c":
-        return c.header(task.friction, task.out.name), c.lost_effects(task.friction)
-    return scripts.mjlab_text(task.path, task.out, list(task.friction), model), []
-
-
 def _springs(
     bare: mujoco.MjModel, friction: Mapping[str, JointFriction], plain: Mapping[str, PlainFriction]
 ) -> dict[str, YieldSprings]:
     """Springs of each joint, soft enough for the time step."""
     free = 1.0 / np.diag(np.linalg.inv(mass_at_start(bare)))
     step = float(bare.opt.timestep)
-    return {
-        name: yield_springs(friction[name].parameters, p.coulomb).suited(
-            step, float(free[bare.joint(name).dofadr[0]])
-        )
-        for name, p in plain.items()
-    }
+    made = {name: yield_springs(friction[name].parameters, p.coulomb) for name, p in plain.items()}
+    dofs = {name: bare.joint(name).dofadr[0] for name in made}
+    return {name: x.suited(step, float(free[dofs[name]])) for name, x in made.items()}
 
 
 def _with_assets(spec: mujoco.MjSpec, task: _Task) -> str:
@@ -252,16 +239,11 @@ def _lost(
         elif not task.yielding and law.stiffness > 0.0:
             what.append("presliding with its memory")
         if not task.lugre and any(Fs > Fc for Fs, Fc, *_ in sliding.levels(law).values()):
-            isaac = task.target == "isaac"
-            what.append(
-                "the fall of friction between rest and sliding"
-                if isaac
-                else "friction that falls with speed"
-            )
+            falls = {"isaac": "the fall of friction between rest and sliding"}
+            what.append(falls.get(task.target, "friction that falls with speed"))
         if task.yielding and softened[name] > 1.0:
-            what.append(
-                f"presliding stiffness, {softened[name]:.2g} times softer for the time step"
-            )
+            softer = f"{softened[name]:.2g} times softer for the time step"
+            what.append(f"presliding stiffness, {softer}")
         kept = _MECHANICAL if task.target in ("native", "mjx") else frozenset()
         sizes = effect_texts(task.friction[name], is_slide(bare, name))
         what += [

@@ -155,7 +155,14 @@ def add_plain(spec: mujoco.MjSpec, friction: Mapping[str, PlainFriction]) -> muj
                 "negative: correct the inertia of the model's bodies first"
             )
         joint.armature += plain.armature
-        _add_spring(joint, plain)
+        before, stiffness = float(np.ravel(joint.stiffness)[0]), plain.stiffness
+        if plain.preload != 0.0 and before + stiffness == 0.0:
+            # soft enough, 1/rad, to carry a constant torque
+            stiffness = 1e-4 * abs(plain.preload)
+        _add(joint, "stiffness", (stiffness,))
+        if before + stiffness > 0.0:
+            torque = before * joint.springref - plain.preload
+            joint.springref = torque / (before + stiffness)
     return spec
 
 
@@ -164,15 +171,3 @@ def _add(joint: mujoco.MjsJoint, field: str, values: tuple[float, ...]) -> None:
     now = np.array(getattr(joint, field), dtype=np.float64)
     np.ravel(now)[: len(values)] += values
     setattr(joint, field, now if now.ndim else float(now))
-
-
-def _add_spring(joint: mujoco.MjsJoint, plain: PlainFriction) -> None:
-    before = float(np.ravel(joint.stiffness)[0])
-    stiffness = plain.stiffness
-    if plain.preload != 0.0 and before + stiffness == 0.0:
-        # soft enough, 1/rad, to carry a constant torque
-        stiffness = 1e-4 * abs(plain.preload)
-    _add(joint, "stiffness", (stiffness,))
-    if before + stiffness > 0.0:
-        torque = before * joint.springref - plain.preload
-        joint.springref = torque / (before + stiffness)

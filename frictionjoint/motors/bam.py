@@ -123,9 +123,8 @@ def from_bam(bam: BamParameters) -> tuple[JointFriction, tuple[str, ...]]:
     elif load > 0.0:
         effects.append(SimulatedEffect(LOAD_COULOMB, (_REACH,), (load,)))
     kt, R = bam.motor.get("kt"), bam.motor.get("R")
-    said = [
-        f"no displacement before sliding is known: the joint creeps below {_STANDSTILL:g} rad/s"
-    ]
+    creep = f"the joint creeps below {_STANDSTILL:g} rad/s"
+    said = [f"no displacement before sliding is known: {creep}"]
     if kt is not None and R is not None:
         effects.append(SimulatedEffect(BACK_EMF, (), (kt * kt / R,)))
         said.append(f"kt {kt:.4g} and R {R:.4g} remain as the back-EMF's kt^2/R alone")
@@ -135,9 +134,8 @@ def from_bam(bam: BamParameters) -> tuple[JointFriction, tuple[str, ...]]:
     if rest:
         said.append(f"{', '.join(rest)}: of the test bench, or of the drive")
     if falling > 0.0 and f["alpha"] != 1.0:
-        said.append(
-            f"the load's part falls as exp(-|v|/vs), BAM's with the exponent {f['alpha']:.3g}"
-        )
+        ours = "the load's part falls as exp(-|v|/vs)"
+        said.append(f"{ours}, BAM's with the exponent {f['alpha']:.3g}")
     if bam.model in ("m5", "m6"):
         said.append("load by the motor and from outside is one sum: who drives makes no difference")
     if bam.model == "m6":

@@ -1,9 +1,7 @@
 """Motors and joints identified from public logs, one TOML file each in this folder.
 
-A file holds ``[motor]``: title, source and licence of the logs it was identified from, the command
-that did it, the digest of its report (what was left before and after effects were added, standard
-errors); and ``[friction]``: law and effects as in a parameter file. ``scripts/make_motors.py``
-writes them all.
+A file holds ``[motor]``, the fields of `Motor`, and ``[friction]``, law and effects as in a
+parameter file. ``scripts/make_motors.py`` writes them all.
 """
 
 import tomllib
@@ -102,6 +100,10 @@ def friction_speed(motor: Motor) -> tuple[Array, dict[str, Array]]:
     return speeds, {side: sliding_torque(motor.friction, speeds, side) for side in ("pos", "neg")}
 
 
+def _numbers(table: dict[str, Any]) -> dict[str, float]:
+    return {key: float(x) for key, x in table.items()}
+
+
 def _read(file: Traversable) -> Motor:
     name = file.name.removesuffix(".toml")
     try:
@@ -110,12 +112,9 @@ def _read(file: Traversable) -> Motor:
         return Motor(
             name=name,
             unit=about["unit"],
-            fit={key: float(x) for key, x in about["fit"].items()},
-            stderr={key: float(x) for key, x in about["stderr"].items()},
-            found={
-                effect: {key: float(x) for key, x in numbers.items()}
-                for effect, numbers in about["found"].items()
-            },
+            fit=_numbers(about["fit"]),
+            stderr=_numbers(about["stderr"]),
+            found={effect: _numbers(x) for effect, x in about["found"].items()},
             friction=joint_friction(content["friction"]),
             units={unit: dict(numbers) for unit, numbers in about.get("units", {}).items()},
             **{key: str(about[key]) for key in TEXTS},

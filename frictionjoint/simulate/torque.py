@@ -83,12 +83,6 @@ def sticks(velocity: float, rate: float, stribeck: float) -> bool:
     return rate > 0.5 or abs(velocity) <= 1e-6 * stribeck
 
 
-def _end(model: mujoco.MjModel, data: mujoco.MjData, dof: int, evaluated: float) -> float:
-    """Velocity at the end of the step that starts at the time `evaluated`."""
-    v = float(data.qvel[dof])
-    return v if data.time > evaluated else v + model.opt.timestep * float(data.qacc[dof])
-
-
 def _of_joint(model: mujoco.MjModel, data: mujoco.MjData, block: int) -> FrictionTorque:
     P, X = model.numeric_data, data.userdata
     x = int(P[block + slot.ROW])
@@ -101,7 +95,11 @@ def _of_joint(model: mujoco.MjModel, data: mujoco.MjData, block: int) -> Frictio
     rate = float(X[law + header_size(P, p) + place])
     hysteresis = float(hysteresis_torque(P, p, X, law))
     sigma1, sigma2 = float(P[levels]), float(P[side + SIGMA2])
-    end = _end(model, data, int(P[block + slot.DOF]), float(X[x + T_EVALUATED]))
+    dof = int(P[block + slot.DOF])
+    # velocity at the end of the step that starts at the evaluation
+    end = float(data.qvel[dof])
+    if data.time <= X[x + T_EVALUATED]:
+        end += model.opt.timestep * float(data.qacc[dof])
     law_torque = float(X[x + TORQUE] + X[x + GAIN] * end)
     # as the kernel adds them: without a gain exactly 0 is left
     implicit = law_torque - (hysteresis + (sigma1 * rate + sigma2) * v)

@@ -25,11 +25,7 @@ from typing import Any
 from frictionjoint.arrays import ROUNDING
 from frictionjoint.effects.signals import N_SIGNALS
 from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, QPOS
-from frictionjoint.simulate.joint_effects import (
-    coupled_load,
-    effects_torque,
-    unit_gravity,
-)
+from frictionjoint.simulate.joint_effects import coupled_load, effects_torque, unit_gravity
 from frictionjoint.simulate.row import (
     ASTRAY,
     BASE,

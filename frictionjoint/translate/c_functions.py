@@ -1,9 +1,7 @@
 """Kernels as C99 functions, translated statement by statement from Python.
 
-So a controller, a simulation and a fit run exactly the law that was identified, not a second
-version that could differ. The order of floating point operations is preserved.
-`frictionjoint.compiled` states which constructs a kernel may contain; anything else is an error,
-never a guess.
+So a controller, a simulation and a fit run exactly the law that was identified. The order of
+floating point operations is preserved.
 """
 
 import ast
@@ -127,7 +125,7 @@ class _Function(Expressions):
         kind = self.kinds[name]
         whole = self.dialect.whole
         const = self.dialect.header and kind == REALS and name not in self.written
-        own = f"{'const ' if const else ''}{self.dialect.declared(kind)}{safe(name)}"
+        own = f"{'const ' if const else ''}{self._declared(name)}"
         return [own, *(f"{whole} {safe(name)}_n{k}" for k in sorted(self.axes.get(name, ())))]
 
     def _is_room(self, value: ast.expr) -> bool:
@@ -143,13 +141,14 @@ class _Function(Expressions):
             if isinstance(node, ast.If | ast.While | ast.For):
                 shared = sorted(name for name in names_in(node) & after if self._is_new(name))
                 self.declared.update(shared)
-                lines += [self._empty(name) for name in shared]
+                for name in shared:
+                    zero = "{0}" if is_tuple(self.kinds[name]) else "0"
+                    lines.append(f"{self._declared(name)} = {zero};")
             lines += self._statement(node, after)
         return lines
 
-    def _empty(self, name: str) -> str:
-        kind = self.kinds[name]
-        return f"{self.dialect.declared(kind)}{safe(name)} = {'{0}' if is_tuple(kind) else '0'};"
+    def _declared(self, name: str) -> str:
+        return f"{self.dialect.declared(self.kinds[name])}{safe(name)}"
 
     def _is_new(self, name: str) -> bool:
         return name in self.kinds and name not in self.declared | self.counters | self.rooms
@@ -243,7 +242,7 @@ class _Function(Expressions):
         text = self.as_kind(value, kind)
         if self._is_new(target.id):
             self.declared.add(target.id)
-            return [f"{self.dialect.declared(kind)}{safe(target.id)} = {text};"]
+            return [f"{self._declared(target.id)} = {text};"]
         return [f"{safe(target.id)} = {text};"]
 
     def _point(self, name: str, value: ast.expr) -> None:

@@ -1,7 +1,7 @@
 """A kernel read from its source: statements in a simple form, and the kind of every value.
 
-This is the front end for C, Warp and derivatives. `frictionjoint.compiled` states which constructs
-a kernel may contain; anything else is an error, never a guess.
+It serves C, Warp and derivatives. `frictionjoint.compiled` states which constructs a kernel may
+contain; anything else is an error, never a guess.
 """
 
 import ast

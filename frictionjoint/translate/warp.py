@@ -1,8 +1,7 @@
 """Kernels as Warp functions.
 
 Warp compiles Python with a stricter grammar: numbers are not converted implicitly, and a comparison
-has exactly two operands. So the GPU runs the same source of laws and effects as C, with no second
-version that could differ. All real numbers are doubles.
+has exactly two operands. All real numbers are doubles.
 """
 
 import ast
@@ -42,17 +41,16 @@ def expm1(x: Any):
     return below * x / wp.log(u)
 '''
 _OWN = {"log1p", "expm1"}
+_ZEROS = {DOUBLE: "wp.float64(0.0)", WHOLE: "int(0)"}
 
 
 def translate(functions: Iterable[Any], size: int, name: str) -> dict[str, Any]:
-    """Warp functions of kernels, by name, in a namespace that also contains Warp itself.
+    """Warp functions of kernels, each as ``module_function``, in a namespace with Warp itself.
 
     Args:
         functions: marked by `compiled`; functions that they call are added.
         size: largest number of elements of an array that a function creates.
         name: name of the module into which Warp compiles the functions, and of its cache.
-    Returns:
-        The namespace: ``namespace[module_function]`` for ``package.module.function``.
     Raises:
         ModelError: a construct that cannot be translated.
     """
@@ -96,9 +94,7 @@ class _Function(Kernel):
     def text(self) -> str:
         code = "\n".join(self._block(self.body, set(self.parameters), set()))
         arguments = ", ".join(f"{name}: Any" for name in self.parameters)
-        # Only the smallest functions are inlined. CUDA's compiler would inline every function
-        # everywhere, which takes minutes.
-        # 150: largest number of syntax tree nodes of a kernel that is inlined
+        # CUDA's compiler would inline every function everywhere, which takes minutes
         small = self.in_line and len([*ast.walk(self.tree)]) <= 150
         decorator = "@wp.func" if small else "@wp.func(inline=False)"
         return f"{decorator}\ndef {self.name}({arguments}):\n{textwrap.indent(code, '    ')}"
@@ -118,14 +114,12 @@ class _Function(Kernel):
             if isinstance(node, ast.While | ast.For):
                 # A value used after a loop must be defined before it, or Warp loses it on `break`.
                 handed_on = sorted((stored_in(node) & after) - known - self.counters)
-                lines += [f"{name} = {self._zero(name, node)}" for name in handed_on]
+                for name in handed_on:
+                    zero = _ZEROS.get(self.kinds[name]) or self.unknown(node)
+                    lines.append(f"{name} = {zero}")
                 known |= set(handed_on)
             lines += self._statement(node, known, after)
         return lines
-
-    def _zero(self, name: str, node: ast.stmt) -> str:
-        zeros = {DOUBLE: "wp.float64(0.0)", WHOLE: "int(0)"}
-        return zeros.get(self.kinds[name]) or self.unknown(node)
 
     def _inner(self, body: list[ast.stmt], known: set[str], after: set[str]) -> list[str]:
         return ["    " + line for line in self._block(body, known, after)]
