@@ -27,8 +27,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import ModelError
 from frictionjoint.law.kernel import row_size as law_row_size
-from frictionjoint.simulate.layout import structure
-from frictionjoint.simulate.model_view import ModelView, tagged_numerics, without_tag
+from frictionjoint.simulate.layout import ModelView, structure
 from frictionjoint.simulate.row import row_size
 
 MAGIC = 199797.0
@@ -44,6 +43,27 @@ rooms_missed: set[int] = set()
 def blocks(model: mujoco.MjModel | ModelView) -> dict[str, int]:
     """Address in ``numeric_data`` of each joint's block, by joint name."""
     return tagged_numerics(model, TAG)
+
+
+def names_of(model: mujoco.MjModel | ModelView, kind: str) -> list[str]:
+    """Names of all objects of a kind, as mjModel abbreviates it ("jnt"), "" for one without."""
+    letters = bytes(model.names)
+    begins = getattr(model, f"name_{kind}adr")
+    return [letters[begin : letters.index(0, begin)].decode() for begin in begins]
+
+
+def without_tag(name: str, tag: str) -> str | None:
+    """A name without its tag, which `MjSpec.attach` may have put behind a prefix; None if there is
+    no tag."""
+    prefix, own, rest = name.partition(tag)
+    return prefix + rest if own else None
+
+
+def tagged_numerics(model: mujoco.MjModel | ModelView, tag: str) -> dict[str, int]:
+    """Address in ``numeric_data`` of each numeric with a tag in its name, by the rest of it."""
+    names = (without_tag(name, tag) for name in names_of(model, "numeric"))
+    pairs = zip(names, model.numeric_adr, strict=True)
+    return {name: int(address) for name, address in pairs if name is not None}
 
 
 def rows_of_block(block: Sequence[float] | Array) -> int:

@@ -18,9 +18,9 @@ from frictionjoint.model_files import ONE_DOF, compiling, not_xml
 from frictionjoint.mujoco_warnings import as_python_warnings
 from frictionjoint.parameters import Friction
 from frictionjoint.simulate import block as slot
-from frictionjoint.simulate.block import TAG, blocks, have_rows, make_room, rows_of_block
+from frictionjoint.simulate.block import TAG, blocks, have_rows, make_room, names_of, rows_of_block
+from frictionjoint.simulate.layout import ModelView
 from frictionjoint.simulate.mechanism import DEFLECTION, add_mechanism, delay_sensors, require_place
-from frictionjoint.simulate.model_view import ModelView, names_of
 from frictionjoint.simulate.motor import check_motors, gives_less
 from frictionjoint.simulate.native_friction import (
     clear_native_friction,

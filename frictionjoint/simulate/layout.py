@@ -1,7 +1,7 @@
 """Byte offsets of the mjModel and mjData fields that the native callback uses.
 
-They differ between MuJoCo versions. They are computed from `mujoco.introspect`, which lists the C
-structures of the running build, and verified against a live model.
+They are computed from `mujoco.introspect`, which lists the C structures of the running build, and
+verified against a live model.
 """
 
 import ctypes
@@ -78,13 +78,34 @@ def structure(name: str) -> Any:
 
 
 @cache
-def model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
+def _model_extents() -> dict[str, tuple[Any, tuple[int | str, ...]]]:
     """The arrays of mjModel by name: C type of a number, and extents or their fields."""
     return {
         field.name: (_ctype(field.type.inner_type), field.array_extent)
         for field in structs.STRUCTS["mjModel"].fields
         if field.array_extent
     }
+
+
+class ModelView:
+    """An mjModel by its address, as a C callback receives it: fields under their names in
+    `mujoco.MjModel`, arrays as views of the model's memory, which must outlive them.
+    """
+
+    def __init__(self, address: int) -> None:
+        self._fields = structure("mjModel").from_address(address)
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._fields, name)
+        extents = _model_extents().get(name)
+        if extents is None:
+            return value
+        kind, sizes = extents
+        shape = [size if isinstance(size, int) else getattr(self._fields, size) for size in sizes]
+        if value is None or 0 in shape:
+            return np.zeros(shape, dtype=kind)
+        array = (kind * int(np.prod(shape))).from_address(value)
+        return np.ctypeslib.as_array(array).reshape(shape)
 
 
 @cache

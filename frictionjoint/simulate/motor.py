@@ -24,7 +24,8 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.effects.motor import SATURATION, TEMPERATURE, given
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.model_view import ModelView, names_of
+from frictionjoint.simulate.block import names_of
+from frictionjoint.simulate.layout import ModelView
 from frictionjoint.simulate.pointers import (
     AT,
     DATA,

@@ -15,7 +15,7 @@ from frictionjoint.compiled import external
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.simulate.block import MAGIC, REFUSED, RESOLVED, blocks, rooms_missed
 from frictionjoint.simulate.carrier import resolve
-from frictionjoint.simulate.model_view import ModelView
+from frictionjoint.simulate.layout import ModelView
 from frictionjoint.simulate.pointers import Address
 from frictionjoint.simulate.shaft_wave import SHAFT, wave_blocks
 

@@ -19,8 +19,8 @@ import numpy as np
 from frictionjoint.arrays import Array, Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
-from frictionjoint.simulate.block import MAGIC, VERSION
-from frictionjoint.simulate.model_view import ModelView, names_of, tagged_numerics
+from frictionjoint.simulate.block import MAGIC, VERSION, names_of, tagged_numerics
+from frictionjoint.simulate.layout import ModelView
 
 SHAFT = MAGIC + 1.0
 SHAFT_TAG = "frictionjoint-shaft:"

@@ -43,7 +43,6 @@ def friction_parameters(
     """Parameters named "joint:Fc" and so on, starting from `start`, equal in both directions.
 
     Args:
-        joint: name of the joint.
         start: first guess; parameters that are not in `ranges` keep its values.
         ranges: bounds by name: "Fc" (N m), "Fs_over_Fc" (1), "Vs" (rad/s), "sigma1", "sigma2" (N m
             s/rad), "n" (1). The transition curve grows with Fs, its displacements stay.
@@ -96,11 +95,8 @@ def _moved(start: FrictionParameters, values: Mapping[str, float]) -> FrictionPa
 
 
 def build_model(start: Mapping[str, FrictionParameters]) -> sysid.BuildModelFn:
-    """Function for ``build_residual_fn(build_model=...)``: a model with the parameters' friction.
-
-    Args:
-        start: by joint name; parameters that are not free keep these values.
-    """
+    """Function for ``build_residual_fn(build_model=...)``: a model with the parameters' friction;
+    those that are not free keep the values of `start`, by joint name."""
 
     def build(parameters: sysid.ParameterDict, spec: mujoco.MjSpec) -> mujoco.MjModel:
         changed = sysid.apply_param_modifiers_spec(parameters, spec.copy())

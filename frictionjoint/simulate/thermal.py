@@ -71,11 +71,8 @@ def temperature(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
 def temperature_setters(
     model: mujoco.MjModel, data: mujoco.MjData
 ) -> dict[str, Callable[[float], None]]:
-    """By joint with a temperature: a function that sets it, deg C, faster than `set_temperature`.
-
-    Args:
-        data: of that model, evaluated at least once.
-    """
+    """By joint with a temperature: a function that sets it, deg C, faster than `set_temperature`,
+    in data that were evaluated at least once."""
     if not any(_of_block(model.numeric_data, b, "temperature") for b in resolve(model).values()):
         return {}
     found = _places(model, data, "temperature")
@@ -85,8 +82,7 @@ def temperature_setters(
 def set_temperature(model: mujoco.MjModel, data: mujoco.MjData, joint: str, celsius: float) -> None:
     """Set the temperature of a joint; `heating` continues from it.
 
-    Raises:
-        ModelError, TypeError: as `temperature`, or the joint has none.
+    Raises: as `temperature`; ModelError, if the joint has none.
     """
     _write(model, data, "temperature", joint, celsius)
 
@@ -109,9 +105,7 @@ def warmth(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
 def set_warmth(model: mujoco.MjModel, data: mujoco.MjData, joint: str, warm: float) -> None:
     """Set the warm-up state of a joint with `warm-up-drift`, 0 to below 1.
 
-    Raises:
-        ModelError: as `temperature`, the joint has none, or a value outside [0, 1).
-        TypeError: as `temperature`.
+    Raises: as `temperature`; ModelError, if the joint has none, or a value is outside [0, 1).
     """
     if not 0.0 <= warm < 1.0:
         raise ModelError(f"joint {joint!r}: warmth is {warm}: give 0 or more, below 1")

@@ -8,9 +8,8 @@ import numpy as np
 from frictionjoint.arguments import require_spec
 from frictionjoint.errors import ModelError
 from frictionjoint.simulate import block as slot
-from frictionjoint.simulate.block import TAG, have_rows, remove_assumed, rows_of_block
+from frictionjoint.simulate.block import TAG, have_rows, remove_assumed, rows_of_block, without_tag
 from frictionjoint.simulate.mechanism import remove_mechanism
-from frictionjoint.simulate.model_view import without_tag
 from frictionjoint.simulate.shaft_wave import remove_waves
 
 

@@ -1,8 +1,7 @@
 """Mathematical functions that kernels use, in C99 from exp, log and pow alone.
 
-Small C libraries of controllers lack the other functions, or provide them in single precision only.
-Relative errors are a few units in the last place; for sin, cos and tan this holds for arguments up
-to 1e6.
+Small C libraries lack the others, or have them in single precision only. Relative errors are a few
+units in the last place; for sin, cos and tan this holds for arguments up to 1e6.
 """
 
 import math
