@@ -138,8 +138,8 @@ def export(
         springs = _springs(bare, friction, plain)
         softened = {name: x.softened for name, x in springs.items()}
         add = partial(add_yield_springs, springs=springs, plain=plain)
-    if target in _NUMBERS:
-        text, exported = _NUMBERS[target](task, plain)
+    if target in ("urdf", "newton", "isaac"):
+        text, exported = _of_numbers(task, plain)
     else:
         whole, rigid = task.spec(mechanism=True), task.spec()
         if target == "mjx":
@@ -198,30 +198,24 @@ def _with_assets(spec: mujoco.MjSpec, task: _Task) -> str:
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _urdf(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
-    note = f"{task.path.name} with the joints' friction as far as URDF has it, by frictionjoint"
-    text = urdf_text(task.spec().compile(), plain, note)
-    model = mujoco.MjModel.from_xml_string(text)
-    model.opt.timestep = step = float(task.spec().option.timestep)
-    # a URDF does not state how firmly friction holds: the losses are those of friction as in MJCF
-    model.dof_solimp[:, :2], model.dof_solref[:] = 0.9999, (2.0 * step, 1.0)
-    return text, model
-
-
-def _newton(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
-    model = add_plain(task.spec(), plain).compile()
-    return scripts.newton_text(task.path, plain, model), model
-
-
-def _isaac(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
+def _of_numbers(task: _Task, plain: Mapping[str, PlainFriction]) -> tuple[str, mujoco.MjModel]:
+    """Text and model for a target that takes the numbers of joints, not an MJCF."""
+    spec = task.spec()
+    if task.target == "urdf":
+        note = f"{task.path.name} with the joints' friction as far as URDF has it, by frictionjoint"
+        text = urdf_text(spec.compile(), plain, note)
+        model = mujoco.MjModel.from_xml_string(text)
+        model.opt.timestep = step = float(spec.option.timestep)
+        # a URDF does not state how firmly friction holds: the losses are those of friction in MJCF
+        model.dof_solimp[:, :2], model.dof_solref[:] = 0.9999, (2.0 * step, 1.0)
+        return text, model
+    if task.target == "newton":
+        model = add_plain(spec, plain).compile()
+        return scripts.newton_text(task.path, plain, model), model
     # PhysX has neither springs nor constant torques
     for_physx = {name: replace(p, preload=0.0, stiffness=0.0) for name, p in plain.items()}
-    model = add_plain(task.spec(), for_physx).compile()
+    model = add_plain(spec, for_physx).compile()
     return scripts.isaac_text(task.path, plain, model), model
-
-
-# targets that take the numbers of joints, not an MJCF
-_NUMBERS = {"urdf": _urdf, "newton": _newton, "isaac": _isaac}
 
 
 def _lost(

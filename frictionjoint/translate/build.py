@@ -3,8 +3,9 @@
     python -m frictionjoint.translate.build FOLDER [TARGET]
 
 A build imports all modules with kernels. In this process the kernels run as Python
-(``FRICTIONJOINT_PYTHON=1``). The C compiler is that of the machine, or the one in the PyPI package
-``ziglang``.
+(``FRICTIONJOINT_PYTHON=1``). They become static functions of one C file, so that the compiler can
+inline them, and the library exports one wrapper function per kernel. The C compiler is that of the
+machine, or the one in the PyPI package ``ziglang``.
 """
 
 import hashlib
@@ -17,11 +18,16 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from frictionjoint import compiled, library
-from frictionjoint.translate.c_file import unit
+from frictionjoint.compiled import is_tuple
+from frictionjoint.library import Entry, Parameter
+from frictionjoint.translate.c_expressions import Expressions
+from frictionjoint.translate.c_functions import Translation
+from frictionjoint.translate.kinds import LIBRARY, NOTHING, fields_of, is_structure
 
 # Results equal those of Python: no fused multiply-add, and no reordering.
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", "-w")
@@ -33,6 +39,18 @@ TARGETS = {
     "windows-x86_64": "x86_64-windows-gnu",
 }
 """What zig compiles for, by the names used here."""
+_HEAD = """/* The kernels of frictionjoint, written by frictionjoint.translate. */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined(_MSC_VER) || defined(_WIN32)
+#define FJ_SHARED __declspec(dllexport)
+#else
+#define FJ_SHARED __attribute__((visibility("default")))
+#endif
+#define FJ_IN_LINE static inline __attribute__((always_inline))
+"""
 
 
 def all_kernels() -> dict[str, Any]:
@@ -58,7 +76,7 @@ def build(folder: Path, target: str | None = None) -> Path:
         ModelError: a kernel cannot be translated. RuntimeError: the C text cannot be compiled.
     """
     stamps = library.stamps(library.sources())
-    text, listed = unit(all_kernels())
+    text, listed = _unit(all_kernels())
     digest = hashlib.sha256(f"{FLAGS}{text}".encode()).hexdigest()[:12]
     folder.mkdir(parents=True, exist_ok=True)
     made = next(folder.glob(f"kernels-{digest}.*"), None)
@@ -77,6 +95,60 @@ def build(folder: Path, target: str | None = None) -> Path:
         if old.name != made.name:
             old.unlink(missing_ok=True)
     return made
+
+
+def _unit(kernels: Mapping[str, Any]) -> tuple[str, dict[str, Entry]]:
+    """C text, and the symbol, result and parameters of each kernel.
+
+    Args:
+        kernels: by module and name, see `frictionjoint.compiled.registry`.
+    Raises:
+        ModelError: a construct that cannot be translated.
+    """
+    translation = Translation(kernels.values(), dialect=LIBRARY)
+    shown: list[str] = []
+    listed: dict[str, Entry] = {}
+    for name, kernel in kernels.items():
+        made = translation.made[kernel.py_func]
+        shown.append(_shown(made))
+        result = "bool" if made.python.__annotations__["return"] is bool else made.result
+        listed[name] = Entry(f"fj_{made.name}_", result, _parameters(made))
+    return "\n".join([_HEAD, translation.text(), *shown]) + "\n", listed
+
+
+def _parameters(made: Expressions) -> tuple[Parameter, ...]:
+    found = []
+    for name in made.parameters:
+        kind = made.kinds[name]
+        fields = fields_of(made.structures[kind]) if is_structure(kind) else {}
+        axes = sorted(made.axes.get(name, ()))
+        found.append(Parameter(name, kind, name in made.written, axes, fields))
+    return tuple(found)
+
+
+def _shown(made: Expressions) -> str:
+    """The function that the library exports for a kernel; tuples are passed by address."""
+    declared: list[str] = []
+    given: list[str] = []
+    for name in made.parameters:
+        kind = made.kinds[name]
+        if is_tuple(kind):
+            declared.append(f"const {kind} *{name}_")
+            given.append(f"*{name}_")
+            continue
+        declared.append(f"{LIBRARY.declared(kind)}{name}_")
+        given.append(f"{name}_")
+        for axis in sorted(made.axes.get(name, ())):
+            declared.append(f"int64_t {name}_n{axis}")
+            given.append(f"{name}_n{axis}")
+    call, result = f"fj_{made.name}({', '.join(given)})", LIBRARY.type_of(made.result)
+    if is_tuple(made.result):
+        declared.append(f"{made.result} *out_")
+        call, result = f"*out_ = {call}", NOTHING
+    elif made.result != NOTHING:
+        call = f"return {call}"
+    head = f"FJ_SHARED {result} fj_{made.name}_({', '.join(declared) or NOTHING})"
+    return f"{head};\n{head}\n{{\n    {call};\n}}\n"
 
 
 def _own_compiler() -> list[str] | None:
