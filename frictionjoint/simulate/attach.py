@@ -18,11 +18,10 @@ from frictionjoint.compiled import PLAIN, c_address
 from frictionjoint.errors import ModelError
 from frictionjoint.model_files import is_c
 from frictionjoint.simulate.block import ROW, blocks
-from frictionjoint.simulate.callback import python_callback
 from frictionjoint.simulate.carrier import resolve
 from frictionjoint.simulate.layout import LayoutMismatchError
 from frictionjoint.simulate.mechanism import require_flags
-from frictionjoint.simulate.native import CALLBACK, build_both, build_native
+from frictionjoint.simulate.native import CALLBACK, build_both, build_native, python_callback
 from frictionjoint.simulate.native_friction import counts_twice, native_friction
 from frictionjoint.simulate.row import STEP, T_EVALUATED
 

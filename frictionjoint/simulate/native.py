@@ -1,15 +1,19 @@
-"""The passive callback in C: MuJoCo calls it with the addresses of a model and its data.
+"""The passive callback, in C and in Python.
 
-The offsets of their fields (``simulate.layout``) are known after the process has loaded its MuJoCo.
-``simulate.callback`` runs the same code in Python. It is stateless: parameters are read from the
-model's numerics, state from the data's userdata.
+MuJoCo calls it in C with the addresses of a model and its data; the offsets of their fields
+(``simulate.layout``) are known after the process has loaded its MuJoCo. In Python the same code has
+MjModel and MjData for addresses, and their attributes for offsets. It is stateless: parameters are
+read from the model's numerics, state from the data's userdata.
 """
 
 import ctypes
 import functools
+import types
+from collections.abc import Callable
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, entry_point, external, in_line, pointer
@@ -21,7 +25,7 @@ from frictionjoint.simulate.joint_effects import (
     effects_torque,
     unit_gravity,
 )
-from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, offsets
+from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, offsets, structure
 from frictionjoint.simulate.mass_matrix import put_in, take_back
 from frictionjoint.simulate.motor import commanded_torque, gives_less
 from frictionjoint.simulate.pointers import (
@@ -44,11 +48,7 @@ from frictionjoint.simulate.pointers import (
     shorts_in,
     wholes_in,
 )
-from frictionjoint.simulate.resolve_when_stepped import (
-    bind_python,
-    make_ready_in_c,
-    warn_of_no_room_in_c,
-)
+from frictionjoint.simulate.resolve_when_stepped import bind_python, make_ready, warn_of_no_room
 from frictionjoint.simulate.row import BASE, GAIN, T_EVALUATED, TORQUE
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
 
@@ -102,7 +102,7 @@ def native(m: Address, d: Address) -> None:
     if n == 0:
         return
     if lacks_room(m, d):
-        warn_of_no_room_in_c(m)
+        warn_of_no_room(m)
         return
     address, P = shorts(m, AT[MODEL.numeric_adr]), reals(m, AT[MODEL.numeric_data])
     qpos, qvel = reals(d, AT[DATA.qpos]), reals(d, AT[DATA.qvel])
@@ -125,7 +125,7 @@ def native(m: Address, d: Address) -> None:
             continue
         if P[block + RESOLVED] != 1.0:
             if P[block + RESOLVED] == 0.0:
-                make_ready_in_c(m)
+                make_ready(m)
                 block = int(address[i])
             if P[block + RESOLVED] != 1.0:
                 continue
@@ -245,3 +245,65 @@ def build_native() -> Any:
     bind_mujoco()
     bind_python()
     return CALLBACK(entry_point(native))
+
+
+def _field(owner: Any, name: Any) -> Any:
+    """An attribute as an array of one index; empty where this MuJoCo lacks it, which is 0."""
+    if name == 0:
+        return np.zeros(0, dtype=np.int32)
+    return np.ravel(getattr(owner if hasattr(owner, name) else owner.opt, name))
+
+
+def _whole(owner: Any, name: Any) -> list[Any]:
+    """A number of the structure; of an array, in place of its address, the size."""
+    value = getattr(owner, name)
+    return [value.size if isinstance(value, np.ndarray) else value]
+
+
+def _give_back_projection(data: mujoco.MjData) -> None:
+    """`give_back_projection`; its fields are no attributes."""
+    fields = structure("mjData").from_address(data._address)
+    begins = [getattr(fields, name, None) for name in PROJECTED]
+    lowest = min((begin for begin in begins if begin), default=None)
+    if lowest is not None:
+        fields.parena = lowest - fields.arena
+
+
+def _names(names: tuple[str, ...], *owners: type) -> list[Any]:
+    return [name if any(hasattr(owner, name) for owner in owners) else 0 for name in names]
+
+
+_IN_PYTHON: dict[str, Any] = {
+    "AT": [
+        *_names(MODEL_NAMES, mujoco.MjModel, mujoco.MjOption),
+        *_names(DATA_NAMES, mujoco.MjData),
+    ],
+    **dict.fromkeys(("reals", "shorts", "reals_in", "shorts_in"), _field),
+    "wholes_in": _whole,
+    "flags": lambda owner, name: _field(owner, name).view(np.bool_),
+    "lacks_room": lambda model, data: len(data.userdata) < int(model.nuserdata),
+    "give_back_projection": _give_back_projection,
+    "warn_of_no_room": lambda model: warn_of_no_room(model._address),
+    "make_ready": lambda model: make_ready(model._address),
+    **{n: getattr(mujoco, n) for n in ("mj_factorM", "mj_mulM", "mj_projectConstraint", "mj_rne")},
+    # Python passes a whole array where C passes its beginning
+    "mj_applyFT": lambda m, d, *xs: mujoco.mj_applyFT(m, d, *(x[:3] for x in xs[:3]), *xs[3:]),
+    "mj_stackAllocNum": lambda data, n: np.zeros(n),
+    # Python's own memory needs no mark
+    **dict.fromkeys(("mj_markStack", "mj_freeStack"), lambda data: None),
+}
+
+
+def _in_python(kernel: Any, name: str, **more: Any) -> Any:
+    """A kernel of addresses as a function of MuJoCo's own objects."""
+    code, names = kernel.py_func.__code__, kernel.py_func.__globals__
+    return types.FunctionType(code, {**names, **_IN_PYTHON, **more}, name)
+
+
+python_callback: Callable[[mujoco.MjModel, mujoco.MjData], None] = _in_python(
+    native,
+    "python_callback",
+    outside=_in_python(outside, "outside"),
+    commanded_torque=_in_python(commanded_torque, "commanded_torque"),
+)
+"""The callback in Python: slower than in C, but every line can be stepped through."""

@@ -9,8 +9,6 @@ import threading
 import warnings
 from typing import Any
 
-import mujoco
-
 from frictionjoint.compiled import external
 from frictionjoint.errors import ModelError, ParameterError
 from frictionjoint.simulate.block import MAGIC, REFUSED, RESOLVED, blocks, rooms_missed
@@ -25,11 +23,11 @@ _resolve_lock = threading.Lock()
 _kept: list[Any] = []
 
 
-def make_ready(model: mujoco.MjModel | ModelView) -> None:
+@external
+def make_ready(m: Address) -> None:
     """Resolve the friction of a model that is being stepped, so its data exist; if that fails, warn
     once and leave the model without friction."""
-    if isinstance(model, mujoco.MjModel):
-        model = ModelView(model._address)
+    model = ModelView(m)
     with _resolve_lock:
         found = [*blocks(model).values(), *wave_blocks(model).values()]
         if not any(model.numeric_data[at + RESOLVED] == 0.0 for at in found):
@@ -41,38 +39,27 @@ def make_ready(model: mujoco.MjModel | ModelView) -> None:
                 if model.numeric_data[at] in (MAGIC, SHAFT):
                     model.numeric_data[at + RESOLVED] = REFUSED
             warnings.warn(
-                f"friction of a model does not act: {error}", RuntimeWarning, stacklevel=2
+                f"friction of a model does not act: {error}", RuntimeWarning, stacklevel=1
             )
 
 
-def warn_of_no_room(address: int) -> None:
+@external
+def warn_of_no_room(m: Address) -> None:
     """Warn, once per model, of data that were made before their model got room for friction."""
-    if address in rooms_missed:
+    if m in rooms_missed:
         return
-    rooms_missed.add(address)
+    rooms_missed.add(m)
     warnings.warn(
         "friction does not act in this MjData, which has no room for the friction state: create it "
         "after frictionjoint.attach or load_model",
         RuntimeWarning,
-        stacklevel=2,
+        stacklevel=1,
     )
-
-
-@external
-def make_ready_in_c(m: Address) -> None:
-    """`make_ready` for compiled code, by the address of the model."""
-    make_ready(ModelView(m))
-
-
-@external
-def warn_of_no_room_in_c(m: Address) -> None:
-    """`warn_of_no_room` for compiled code, by the address of the model."""
-    warn_of_no_room(m)
 
 
 def bind_python() -> None:
     """Pass the addresses of the functions above to compiled code."""
-    for outside in (make_ready_in_c, warn_of_no_room_in_c):
+    for outside in (make_ready, warn_of_no_room):
         function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(outside.stub)
         _kept.append(function)
         outside.bind(function)

@@ -1,6 +1,6 @@
 """The kernel that evaluates friction in every world at once: a thread a joint and world.
 
-It does what the native callback does (`frictionjoint.simulate.callback`), with functions made from
+It does what the native callback does (`frictionjoint.simulate.native`), with functions made from
 the same source, on rows of state that live in a warp array instead of ``mjData.userdata``: friction
 is c + G w over a step, and h G goes onto the diagonal of ``Data.M`` (`simulate.mass_matrix`),
 which is factored again afterwards. The law is computed in doubles; mujoco_warp hands it position,
