@@ -2,9 +2,9 @@
 
 A fixed tendon of one joint with `stiffness` and `springyield` is a Jenkins element: a spring that
 slides once its torque reaches a limit. Several in parallel are the Maxwell-slip model (Iwan 1966):
-hysteresis with memory of reversals, and no drift under a load that oscillates. They depend on
-neither speed nor load: viscous friction stays `damping`. MuJoCo integrates the springs
-explicitly, so they are softened if the time step requires it.
+hysteresis with memory of reversals, and no drift under a load that oscillates. Viscous friction
+stays `damping`. MuJoCo integrates the springs explicitly, so they are softened if the time step
+requires it.
 """
 
 from collections.abc import Mapping

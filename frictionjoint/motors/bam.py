@@ -149,8 +149,7 @@ def to_bam(
     """A file of BAM for a joint, and the friction that BAM cannot represent, a sentence each.
 
     Args:
-        like: file that provides the numbers of actuator and motor, which a friction does not
-            contain.
+        like: file that provides the numbers of actuator and motor.
         model: m1 to m6; None: the simplest model that can represent the joint.
     Raises:
         ParameterError: an unknown model.

@@ -8,7 +8,7 @@
     with attach(environment, samples={"elbow": report.samples(1024)}):   # a draw per episode
         environment.reset()
 
-A bare ``Physics`` needs nothing from here: ``with frictionjoint.attach(physics.model.ptr)``.
+For a bare ``Physics``: ``with frictionjoint.attach(physics.model.ptr)``.
 """
 
 import contextlib
@@ -84,10 +84,8 @@ def attach(
     A composer environment compiles at every reset; each model is prepared when it is compiled.
 
     Args:
-        environment: its model has friction.
         samples: parameter sets by name of the joint, with scope ("robot/elbow"); each episode draws
-            one per joint.
-        seed: of the draws.
+            one per joint. seed: of the draws.
     Raises:
         ModelError: as `frictionjoint.attach`, or as `frictionjoint.set_parameters`.
         TypeError: no environment.

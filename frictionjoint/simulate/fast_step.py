@@ -6,10 +6,9 @@ writes each number of the row only once. These two functions compute every other
 starts, jumps in time, changed parameters, loops that close, resets of the memory, knots of the
 transition curve, full stacks.
 
-A joint at rest is never perfectly still, because rounding errors move it back and forth. The law
-would treat each of these movements as a reversal and fill its memory. So a displacement that barely
-changes the torque is treated as elastic: the law keeps its state and its position until the
-displacement has grown.
+Rounding errors move a joint at rest back and forth, and the law would take each of these movements
+for a reversal and fill its memory. So a displacement that barely changes the torque is treated as
+elastic: the law keeps its state and its position until the displacement has grown.
 """
 
 import math

@@ -1,22 +1,18 @@
 """Effects that are parts of a model: joints between motor and link, delayed sensors.
 
-Elasticity and backlash are a second joint.
-
-The joint with friction turns with the motor: actuators, encoder and friction act on this joint, and
-its armature is the rotor. Behind it, a joint with the same axis, ``JOINT_deflection``, is the angle
-of the link relative to the motor. For `joint-elasticity` this second joint has a spring and a
-damper. For `backlash` it moves freely within the gap, and beyond the gap the flanks push but do not
-pull.
+Elasticity and backlash are a second joint with the same axis, ``JOINT_deflection``: the angle of
+the link relative to the motor. The joint with friction turns with the motor; its armature is the
+rotor. For `joint-elasticity` the second joint has a spring and a damper. For `backlash` it moves
+freely within the gap, and beyond the gap the flanks push but do not pull.
 
 A fit gives the numbers that the motor sees: the inertia J behind the spring, the resonance of J
 with the motor locked, and its damping. How the model receives them depends on the joint:
 
 * The last joint of a chain: the link gets the inertia J. If the model's inertia is too small, the
   difference becomes the armature of a tendon over both joints. If it is too large, the difference
-  moves to the rotor. If the link's inertia cannot be reduced, because the body would not be
-  physically possible for MuJoCo, and the joint is the first one, its mass moves nearer to the axis
-  and keeps its gravity torque. Otherwise the mass stays, and the deflection gets an armature so
-  that the motor sees the identified inertia.
+  moves to the rotor. If MuJoCo would refuse such a body, and the joint is the first one, its mass
+  moves nearer to the axis and keeps its gravity torque. Otherwise the mass stays, and the
+  deflection gets an armature so that the motor sees the identified inertia.
 * A joint with other joints behind it: the inertia is that of the bodies, in every pose, and the fit
   gives stiffness and damping.
 * A joint with a gap: the link behind the gap is without the parts that turn with the motor.

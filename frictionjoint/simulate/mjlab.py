@@ -5,8 +5,7 @@ actuators here are mjlab's own, delay and limits included, and turn friction on 
 of them is enough for a scene: it serves every joint with friction in it.
 
 A CUDA graph that mjlab captured before does not contain the friction: call
-``env.sim.create_graph()``
-after the environment is made.
+``env.sim.create_graph()`` after the environment is made.
 """
 
 # mjlab and torch are not installed where types are checked
@@ -33,9 +32,7 @@ def friction_of(mj_model: mujoco.MjModel, model: Any, data: Any) -> WarpFriction
     """The friction of a scene, attached now if it was not.
 
     Args:
-        mj_model: the compiled model.
-        model: mujoco_warp's, bare or as mjlab's bridge returns it.
-        data: mujoco_warp's, in the same way.
+        model, data: mujoco_warp's, bare or as mjlab's bridge returns them.
     Raises:
         ModelError: see `attach_warp`.
     """

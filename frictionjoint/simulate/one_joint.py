@@ -32,12 +32,10 @@ ROWS = GY + 3
 class Load:
     """Rigid-body torque: inertia a + c cos q + s sin q + r + stiffness (q - q0).
 
-    Exact for a single joint; with other joints, their motion enters at the measured position.
-
     Attributes:
         numbers: inertia, c, s, r, and the mean, cosine and sine of the two unit gravity torques,
             shape (10, n); n is 1 if they are constant.
-        armature: kg m^2, part of the inertia. stiffness: of the MJCF's own spring, and q0.
+        armature: kg m^2, part of the inertia. stiffness, rest: of the MJCF's own spring, and q0.
     """
 
     numbers: Array
@@ -55,8 +53,7 @@ class JointModel:
     Attributes:
         numbers: block of the law, then of the effects. effects: where those begin. row: number of
             float64 of state.
-        thermal: place in the row and reference, deg C, of each temperature in an effect's memory,
-            shape (k, 2).
+        thermal: place in the row and reference, deg C, of each effect's temperature, shape (k, 2).
     """
 
     def __init__(

@@ -1,8 +1,8 @@
 """Read and set the thermal state of joints with temperature-dependent friction.
 
 `temperature-dependent` and `motor-temperature` stay at their references until `set_temperature`
-changes them, or follow `heating` by the friction's own loss. `warm-up-drift` has no temperature:
-its state is the fraction of the warm-up that has happened.
+changes them, or follow `heating`. The state of `warm-up-drift` is the fraction of the warm-up that
+has happened.
 """
 
 import math

@@ -147,11 +147,8 @@ class Remembered:
 
 
 def remembered(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Remembered]:
-    """Memory of each joint with the integrated law, at the last committed step.
-
-    Args:
-        model: attached, or from `load_model`. data: of that model.
-    """
+    """Memory of each joint with the integrated law, at the last committed step, in a model that is
+    attached or from `load_model`."""
     require_data(data, model, "remembered")
     found = {}
     addresses = resolve(model)

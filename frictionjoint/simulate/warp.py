@@ -6,7 +6,7 @@ the friction of an MJCF there. The state of every world is in one warp array of 
 """
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import mujoco
@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arguments import require_model
-from frictionjoint.arrays import Array
 from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.kernel import header_size
@@ -32,7 +31,6 @@ from frictionjoint.simulate.shaft_wave import wave_losses
 _INTEGRATORS = ("EULER", "IMPLICIT", "IMPLICITFAST")
 # threads of a block; the law needs many registers, which small blocks waste least
 _BLOCK = 128
-Whole = NDArray[np.int32]
 
 
 class WarpMissingError(FrictionJointError, ImportError):
@@ -71,24 +69,43 @@ class WarpFriction:
         from frictionjoint.simulate import warp_kernel
 
         self._mjw, self._wp, self._model, self._data = mjw, wp, m, d
-        self._layout = made = _Layout(mjm, found, warp_kernel.FRONT)
-        motor = m.actuator_gainprm.dtype
-        kernels, self._Motors = warp_kernel.build(made.has_effects, motor, made.header)
+        self.joints = tuple(found)
+        # each block, with the start of the joint's row of `simulate.row` in the state of a world
+        self._numbers = numbers = np.array(mjm.numeric_data)
+        self._addresses = at = _whole(found.values())
+        starts = _starts([warp_kernel.FRONT + rows_of_block(numbers[a:]) for a in at])
+        rows, room = starts[:-1], int(starts[-1])
+        self.joint_rows = dict(zip(self.joints, rows.tolist(), strict=True))
+        numbers[at + ROW] = rows + warp_kernel.FRONT
+        # the kernels read each block without its integers
+        lengths = HEAD + _whole(numbers[at + COUNT])
+        read = np.concatenate([np.arange(a, a + n) for a, n in zip(at, lengths, strict=True)])
+        self._first = _starts(lengths)[:-1]
+        header = max(int(header_size(numbers, a + HEAD)) for a in at.tolist())
+        effects = (at + _whole(numbers[at + EFFECTS])).tolist()
+        # of the first effect that depends on the load, or -1
+        loads = _whole(asks_for_load(numbers, a) for a in effects)
+        self._has_loads = bool(loads.max() >= 0)
+        motors = [
+            motors_of(mjm, joint) if gives_less(numbers, a) else []
+            for joint, a in zip(numbers[at + JOINT].astype(int).tolist(), effects, strict=True)
+        ]
+        motor, acting = m.actuator_gainprm.dtype, _whole(i for own in motors for i in own)
+        has_effects = bool(np.any(numbers[effects] > 0.0))
+        kernels, self._Motors = warp_kernel.build(has_effects, motor, header)
         self._take_back, self._friction, self._acted, self._reset = kernels
-        self.joints = made.joints
-        self.joint_rows = dict(zip(made.joints, made.rows.tolist(), strict=True))
-        n, nworld = len(made.joints), d.nworld
+        n, nworld = len(self.joints), d.nworld
         with wp.ScopedDevice(d.qpos.device):
-            self.parameters = wp.array(made.numbers[None, made.read], dtype=wp.float64)
-            self._blocks = wp.array(made.blocks, dtype=int)
-            self._rows = wp.array(made.rows, dtype=int)
-            self._loads = wp.array(made.loads, dtype=int)
+            self.parameters = wp.array(numbers[None, read], dtype=wp.float64)
+            self._blocks = wp.array(self._first, dtype=int)
+            self._rows = wp.array(rows, dtype=int)
+            self._loads = wp.array(loads, dtype=int)
             self._locked = wp.array(mjm.dof_M0, dtype=float)
-            self._motor_first = wp.array(made.motor_first, dtype=int)
-            self._motors = wp.array(made.motors, dtype=int)
+            self._motor_first = wp.array(_starts([len(own) for own in motors]), dtype=int)
+            self._motors = wp.array(acting, dtype=int)
             self._no_motor = wp.zeros(n + 1, dtype=int)
             # worlds side by side: neighbouring threads then read neighbouring numbers
-            self.state = wp.zeros((made.room, nworld), dtype=wp.float64).transpose()
+            self.state = wp.zeros((room, nworld), dtype=wp.float64).transpose()
             self._moved = wp.zeros((nworld, m.nv), dtype=float)
             self._pushed = wp.zeros((nworld, m.nv), dtype=float)
             self._torque = wp.zeros((nworld, n), dtype=float)
@@ -115,7 +132,7 @@ class WarpFriction:
         # before anything reads M: no friction in it
         where = [self.parameters, self._blocks, self._rows]
         self._launch(self._take_back, [*where, m.M_rowadr, m.M_rownnz], [self.state, d.M])
-        if self._layout.has_loads:
+        if self._has_loads:
             # the load of a gear: this step's bias forces, which come after passive ones, forces on
             # bodies, and accelerations and constraint forces that the step before has left
             self._mjw.rne(m, d)
@@ -163,16 +180,18 @@ class WarpFriction:
         Raises:
             ModelError: another number of worlds, or as `frictionjoint.set_parameters`.
         """
-        made, nworld = self._layout, self._data.nworld
-        at = self.joints.index(require_joint(self.joint_rows, joint))
+        nworld = self._data.nworld
+        number = self.joints.index(require_joint(self.joint_rows, joint))
+        at, first, blocks = int(self._addresses[number]), int(self._first[number]), []
         rows = self.parameters.numpy()
         each = list(parameters) if isinstance(parameters, Sequence) else [parameters]
         if isinstance(parameters, Sequence):
             if len(each) != nworld:
                 raise ModelError(f"{nworld} worlds, {len(each)} parameter sets: give one per world")
             rows = np.repeat(rows, nworld // len(rows), axis=0)
-        blocks = [made.block_with(at, one) for one in each]
-        first = int(made.blocks[at])
+        for one in each:
+            numbers = self._numbers.copy()
+            blocks.append(numbers[at : write_parameters(numbers, at, one, joint)])
         # what is given without effects leaves those of each world as they are
         for i, block in enumerate(blocks):
             rows[i if len(each) == len(rows) else slice(None), first : first + len(block)] = block
@@ -275,65 +294,10 @@ def attach_warp(m: Any, d: Any, mjm: mujoco.MjModel) -> WarpFriction:
     return WarpFriction(m, d, mjm)
 
 
-class _Layout:
-    """Addresses for n joints with friction.
-
-    Args:
-        found: address of each block in the model's numerics, by joint name.
-        front: length of the part of a joint's state before its row.
-    Attributes:
-        joints: names, shape (n,); all other arrays have the same order.
-        read: indices of the numbers that the kernels read: each block without its integers.
-        numbers: the model's numerics; ROW in each block is the start of the joint's row of
-            `simulate.row` in the state of a world.
-        blocks: start of each block among the numbers that the kernels read, shape (n,).
-        rows: start of each joint's numbers in the state of a world, shape (n,).
-        room: length of the state of a world. header: length of the longest header of a law.
-        loads: index of the first effect that depends on the load, or -1, shape (n,).
-        motor_first, motors: actuators of joints that saturate; those of the i-th joint are
-            motors[motor_first[i]:motor_first[i + 1]].
-        has_effects, has_loads: whether any joint has effects, or effects that depend on the load.
-    """
-
-    def __init__(self, model: mujoco.MjModel, found: Mapping[str, int], front: int) -> None:
-        self.joints = tuple(found)
-        self.numbers = numbers = np.array(model.numeric_data)
-        self._addresses = at = _whole(found.values())
-        starts = _starts([front + rows_of_block(numbers[a:]) for a in at])
-        self.rows, self.room = starts[:-1], int(starts[-1])
-        numbers[at + ROW] = self.rows + front
-        lengths = HEAD + _whole(numbers[at + COUNT])
-        self.blocks = _starts(lengths)[:-1]
-        self.read = np.concatenate([np.arange(a, a + n) for a, n in zip(at, lengths, strict=True)])
-        self.header = max(int(header_size(numbers, a + HEAD)) for a in at.tolist())
-        effects = (at + _whole(numbers[at + EFFECTS])).tolist()
-        self.has_effects = bool(np.any(numbers[effects] > 0.0))
-        self.loads = _whole(asks_for_load(numbers, a) for a in effects)
-        self.has_loads = bool(self.loads.max() >= 0)
-        motors = [
-            motors_of(model, joint) if gives_less(numbers, a) else []
-            for joint, a in zip(numbers[at + JOINT].astype(int).tolist(), effects, strict=True)
-        ]
-        self.motor_first = _starts([len(own) for own in motors])
-        self.motors = _whole(i for own in motors for i in own)
-
-    def block_with(self, number: int, friction: Friction | JointFriction) -> Array:
-        """Numbers of a joint's block with different friction parameters.
-
-        Args:
-            friction: the new friction. For a `Friction`, which has no effects, the result ends
-                before the numbers of the effects.
-        Raises:
-            ModelError: the law, the number of knots, or the effects differ from the joint's.
-        """
-        numbers, at = self.numbers.copy(), int(self._addresses[number])
-        return numbers[at : write_parameters(numbers, at, friction, self.joints[number])]
-
-
-def _whole(numbers: Iterable[Any]) -> Whole:
+def _whole(numbers: Iterable[Any]) -> NDArray[np.int32]:
     return np.array(list(numbers), dtype=np.int32)
 
 
-def _starts(sizes: Iterable[int]) -> Whole:
+def _starts(sizes: Iterable[int]) -> NDArray[np.int32]:
     """Start of each of several consecutive ranges of given sizes, and the end of the last range."""
     return np.concatenate([[0], np.cumsum(_whole(sizes))]).astype(np.int32)

@@ -1,10 +1,8 @@
 """The kernel that evaluates friction in every world at once: a thread a joint and world.
 
 It does what the native callback does (`frictionjoint.simulate.native`), with functions made from
-the same source, on rows of state that live in a warp array instead of ``mjData.userdata``: friction
-is c + G w over a step, and h G goes onto the diagonal of ``Data.M`` (`simulate.mass_matrix`),
-which is factored again afterwards. The law is computed in doubles; mujoco_warp hands it position,
-velocity, inertia and time as single floats.
+the same source, on rows of state that live in a warp array instead of ``mjData.userdata``. The law
+is computed in doubles; mujoco_warp hands it position, velocity, inertia and time as single floats.
 
 Time and position need care. A float clock that counts milliseconds is off by several percent of a
 step after some minutes, and the law divides by the step. A float position of a radian is off by
