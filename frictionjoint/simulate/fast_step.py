@@ -54,8 +54,8 @@ def usual_torque(
 ) -> float:
     """Friction torque at velocity v for the step of h seconds that begins now, N m.
 
-    Returns NaN if the step is not a usual one; the row is then unchanged. For the arguments see
-    `row.torque_now` and `row.over_the_step`.
+    Returns NaN if the step is not a usual one, or explicit (h = 0); the row is then unchanged. For
+    the arguments see `row.torque_now` and `row.over_the_step`.
     """
     evaluated = X[x + row.T_EVALUATED]
     since = evaluated - X[x + row.T_COMMITTED]
@@ -66,6 +66,7 @@ def usual_torque(
         front, a, dt = x + row.T_COMMITTED, x + row.FRONT, since
     if (
         P[p] != INTEGRATED
+        or h == 0.0
         or X[x + row.STEP] == 0.0
         or not (gap >= 0.0 and gap <= row.LEAP * max(h, X[x + row.STEP]) and dt > 0.0)
         or not (math.fabs(q) <= row.ASTRAY and math.fabs(v) <= row.ASTRAY)
@@ -165,25 +166,3 @@ def usual_torque(
     X[x + row.TORQUE] = constant
     X[x + row.GAIN] = gain
     return constant + gain * v
-
-
-@in_line
-def joint_torque(
-    P: Vector,
-    p: int,
-    effects: int,
-    X: Vector,
-    x: int,
-    t: float,
-    q: float,
-    v: float,
-    step: float,
-    h: float,
-    J: float,
-    weight: float,
-) -> float:
-    """Friction torque at velocity v for the step that begins now, N m; NaN after divergence."""
-    F = usual_torque(P, p, effects, X, x, t, q, v, h, J, weight) if h > 0.0 else np.nan
-    if F == F:
-        return F
-    return row.rare_torque(P, p, effects, X, x, t, q, v, step, h, J, weight)

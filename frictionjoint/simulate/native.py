@@ -18,7 +18,7 @@ import numpy as np
 from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled, entry_point, external, in_line, pointer
 from frictionjoint.simulate.block import DOF, EFFECTS, HEAD, JOINT, MAGIC, QPOS, RESOLVED, ROW
-from frictionjoint.simulate.fast_step import joint_torque
+from frictionjoint.simulate.fast_step import usual_torque
 from frictionjoint.simulate.joint_effects import (
     asks_for_load,
     coupled_load,
@@ -49,7 +49,7 @@ from frictionjoint.simulate.pointers import (
     wholes_in,
 )
 from frictionjoint.simulate.resolve_when_stepped import bind_python, make_ready, warn_of_no_room
-from frictionjoint.simulate.row import BASE, GAIN, T_EVALUATED, TORQUE
+from frictionjoint.simulate.row import BASE, GAIN, T_EVALUATED, TORQUE, rare_torque
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
 
 PGS = int(mujoco.mjtSolver.mjSOL_PGS)
@@ -143,7 +143,9 @@ def native(m: Address, d: Address) -> None:
         own = X[x + BASE]
         # MuJoCo knows the joint's inertia with all others free at qpos0 only
         weight = weights[dof] * locked[dof] / own
-        F = joint_torque(P, law, effects, X, x, t, q, v, step, h, own, weight)
+        F = usual_torque(P, law, effects, X, x, t, q, v, h, own, weight)
+        if F != F:
+            F = rare_torque(P, law, effects, X, x, t, q, v, step, h, own, weight)
         if P[effects] > 0.0:
             joint = int(P[block + JOINT])
             commanded = commanded_torque(m, d, joint, q, v) if gives_less(P, effects) else 0.0
