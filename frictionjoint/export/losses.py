@@ -171,7 +171,12 @@ def _loop(
         wanted[:, :, own] = [np.interp(time, motion.time, x) for x in track]
     j = model.joint(joint).id
     mass = mass_at_start(bare)[np.ix_(dofs, dofs)]
-    springs, dampers = _gains(mass, driven.index(j), stiffness, model.opt.timestep)
+    free = 1.0 / np.diag(np.linalg.inv(mass))  # inertia where the other joints are free
+    springs = (2.0 * np.pi * 3.0) ** 2 * np.diag(mass)  # 3 Hz hold the other joints
+    # an explicit spring must not chatter: at most 0.3 rad per time step
+    own = driven.index(j)
+    springs[own] = min(stiffness, free[own] * (0.3 / model.opt.timestep) ** 2)
+    dampers = 2.0 * 0.3 * np.sqrt(springs * free)
     data.qpos[qpos], data.qvel[dofs] = wanted[0, 0], wanted[1, 0]
     found = np.empty(steps + 1)
     with attach(model) if attached else contextlib.nullcontext():
@@ -187,12 +192,3 @@ def _loop(
             mujoco.mj_step(model, data)
     model.opt.timestep = before
     return np.interp(motion.time, time, found)
-
-
-def _gains(mass: Array, own: int, stiffness: float, step: float) -> tuple[Array, Array]:
-    """Springs and dampers of the loops, N m/rad and N m s/rad, shape (n,) each."""
-    free = 1.0 / np.diag(np.linalg.inv(mass))  # inertia where the other joints are free
-    springs = (2.0 * np.pi * 3.0) ** 2 * np.diag(mass)  # 3 Hz hold the other joints
-    # an explicit spring must not chatter: at most 0.3 rad per time step
-    springs[own] = min(stiffness, free[own] * (0.3 / step) ** 2)
-    return springs, 2.0 * 0.3 * np.sqrt(springs * free)

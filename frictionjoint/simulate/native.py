@@ -26,7 +26,6 @@ from frictionjoint.simulate.joint_effects import (
     unit_gravity,
 )
 from frictionjoint.simulate.layout import DATA_NAMES, MODEL_NAMES, offsets, structure
-from frictionjoint.simulate.mass_matrix import put_in, take_back
 from frictionjoint.simulate.motor import commanded_torque, gives_less
 from frictionjoint.simulate.pointers import (
     AT,
@@ -49,7 +48,7 @@ from frictionjoint.simulate.pointers import (
     wholes_in,
 )
 from frictionjoint.simulate.resolve_when_stepped import bind_python, make_ready, warn_of_no_room
-from frictionjoint.simulate.row import BASE, GAIN, T_EVALUATED, TORQUE, rare_torque
+from frictionjoint.simulate.row import BASE, GAIN, T_EVALUATED, TORQUE, WRITTEN, rare_torque
 from frictionjoint.simulate.shaft_wave import SHAFT, resist
 
 PGS = int(mujoco.mjtSolver.mjSOL_PGS)
@@ -139,8 +138,13 @@ def native(m: Address, d: Address) -> None:
         law, effects = block + HEAD, block + int(P[block + EFFECTS])
         later = X[x + T_EVALUATED] != t
         entry = int(first_of[dof] + count_of[dof]) - 1
-        take_back(X, x, M, entry)
-        own = X[x + BASE]
+        # without friction, see `mass_matrix`
+        written = M[entry]
+        if written == X[x + WRITTEN]:
+            M[entry] = X[x + BASE]
+        own = M[entry]
+        X[x + BASE] = own
+        X[x + WRITTEN] = written
         # MuJoCo knows the joint's inertia with all others free at qpos0 only
         weight = weights[dof] * locked[dof] / own
         F = usual_torque(P, law, effects, X, x, t, q, v, h, own, weight)
@@ -182,8 +186,10 @@ def native(m: Address, d: Address) -> None:
             if F == F:
                 F = X[x + TORQUE] + X[x + GAIN] * v + raised
         passive[dof] -= F
-        if put_in(X, x, M, entry, h):
+        M[entry] = own + h * X[x + GAIN]
+        if M[entry] != written:
             changed = True
+            X[x + WRITTEN] = M[entry]
             if AT[DATA.iM] != 0:
                 second = int(shorts(m, AT[MODEL.dof_Madr])[dof])
                 reals(d, AT[DATA.qM])[second] = M[entry]

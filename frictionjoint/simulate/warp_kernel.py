@@ -143,7 +143,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[tuple[Any, Any, 
         state: doubles,
         mass: wp.array2d(dtype=float),
     ):
-        """`simulate.mass_matrix.take_back`, with a mass matrix of single floats."""
+        """Take friction out of the mass matrix, see `simulate.mass_matrix`."""
         k, world = wp.tid()
         x, dof = row_of(numbers, blocks, rows, k, world)
         entry = rowadr[dof] + rownnz[dof] - 1
