@@ -66,9 +66,7 @@ class Motor:
 
     def torque(self, voltage: float, velocity: float) -> float:
         """Torque with the circuit closed, N m (N)."""
-        return float(
-            given(self.gain * voltage - self.back_emf * velocity, self.saturation)
-        )
+        return float(given(self.gain * voltage - self.back_emf * velocity, self.saturation))
 
 
 def add_motor(spec: mujoco.MjSpec, joint: str, motor: Motor) -> None:
