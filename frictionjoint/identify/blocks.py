@@ -41,23 +41,14 @@ class Folds(NamedTuple):
 
 @dataclass(frozen=True)
 class Blocks:
-    """Assignment of samples to blocks and of blocks to folds.
+    """Assignment of samples to blocks and of blocks to folds."""
 
-    Attributes:
-        of_sample: block of each sample, shape (n,). fold: log or kind of motion of each block,
-            (B,).
-        halves: first or second half of its log, for effects that act in one fold only, shape (B,).
-        log: log of each block, shape (B,). noise: variance of white noise with the spectral density
-            of the torque instrument, (N m)^2.
-        law_errors: directions of possible errors of the law, N m, shape (n, m), see
-            `OtherLaws.errors`.
-    """
-
-    of_sample: Index
-    fold: Index
-    halves: Index
-    log: Index
-    noise: float = 0.0
+    of_sample: Index  # block of each sample, shape (n,)
+    fold: Index  # log or kind of motion of each block, shape (B,)
+    halves: Index  # half of its log, 0 or 1, for effects that act in one fold only, shape (B,)
+    log: Index  # log of each block, shape (B,)
+    noise: float = 0.0  # variance of white noise as dense as the torque instrument's, (N m)^2
+    # directions of possible errors of the law, N m, shape (n, m), see `OtherLaws.errors`
     law_errors: Array | None = field(default=None, repr=False)
 
     @property

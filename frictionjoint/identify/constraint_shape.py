@@ -26,15 +26,10 @@ _LEADS = (0.7 * LEAD, 1.05 * LEAD)
 
 
 class Constraint(NamedTuple):
-    """How friction of this kind depends on acceleration.
+    """How friction of this kind depends on acceleration."""
 
-    Attributes:
-        lead: time by which friction changes direction before the velocity does, s.
-        V0: below this v + lead a, friction is proportional to v + lead a, rad/s (m/s).
-    """
-
-    lead: float
-    V0: float
+    lead: float  # time by which friction changes direction before the velocity does, s
+    V0: float  # below this v + lead a, friction is proportional to v + lead a, rad/s (m/s)
 
     def saturated(self, v: Array, a: Array) -> Array:
         """Friction over its level, -1 to 1, at velocities and accelerations of shape (n,)."""
@@ -51,15 +46,12 @@ class Constraint(NamedTuple):
 
 @dataclass(frozen=True)
 class ConstraintShape(Shape):
-    """S(|v|) sat((v + lead a) / V0), with the numbers of a static law.
-
-    Attributes:
-        lead: s. reach: displacement at a reversal, rad, which no log of such friction determines.
-    """
+    """S(|v|) sat((v + lead a) / V0), with the numbers of a static law."""
 
     static: RivalShape
-    lead: float = LEAD
-    # rad, until `with_assumed_stiffness` sets what the logs resolve
+    lead: float = LEAD  # s
+    # displacement at a reversal, rad, which no log of such friction determines, until
+    # `with_assumed_stiffness` sets what the logs resolve
     reach: float = 1e-6
 
     damped = False

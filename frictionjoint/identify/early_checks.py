@@ -42,27 +42,19 @@ _BLOCKS = 30
 
 
 class Balance(NamedTuple):
-    """Columns of the linear balance on the kept samples of all logs, each of shape (n,) or (n, k).
+    """Columns of the linear balance on the kept samples of all logs, shape (n,) or (n, k) each."""
 
-    Attributes:
-        drive: measured torque, or current or voltage. load: of the model, N m.
-        gravity: of 1 kg at 1 m, N m, shape (n, 2). q, v, a, jerk: motion.
-        side: sign of the velocity, without a step.
-        elements: torque of elastic-plastic elements of level 1, shape (n, k).
-        log: index of the log. block: of the samples that count as one.
-    """
-
-    drive: Array
-    load: Array
-    gravity: Array
+    drive: Array  # measured torque, or current or voltage
+    load: Array  # of the model, N m
+    gravity: Array  # of 1 kg at 1 m, N m, shape (n, 2)
     q: Array
     v: Array
     a: Array
     jerk: Array
-    side: Array
-    elements: Array
-    log: Index
-    block: Index
+    side: Array  # sign of the velocity, without a step
+    elements: Array  # torque of elastic-plastic elements of level 1, shape (n, k)
+    log: Index  # index of the log
+    block: Index  # of the samples that count as one
 
     @property
     def one(self) -> Array:

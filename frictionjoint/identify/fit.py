@@ -22,50 +22,34 @@ IN_MOTION = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted model.
-
-    Attributes:
-        shape: of the law. terms: added to it. drive: kind of drive in the logs.
-        beta: linear coefficients, one per column, in the drive's units (see `gain`).
-        gain: torque per unit of drive; 1 for a measured torque.
-        in_drive_units: whether all quantities in N m are in units of the drive instead, because the
-            logs do not determine the gain, see `without_scale`.
-        layout: index of each parameter.
-        residual: drive minus model times gain, N m, kept samples of all logs in order, shape (n,).
-        jacobian: of the model in N m by every parameter, linear ones first, shape (n, p).
-        weight: of each sample, shape (n,).
-        bound: which parameters are on a bound of their range, shape (p,).
-        low, high: range of each linear coefficient; for a shape number, by how much one search may
-            change it, shape (p,).
-        log_index: log of each sample, shape (n,).
-        begun: columns of other possible initial states of each log, N m, shape (n, m); they belong
-            to no parameter of the model. Empty if the model has no free oscillation.
-        target_rms: rms of the measured torque.
-        acting: weighted rms of the drive, relative to that before effects of the drive changed it.
-        holding: torque per small error of position, of the drive and the load, relative to that
-            before effects changed them; geometric mean. 1 for a measured drive.
-        commanded: whether the drive is computed by a controller from commands, and not measured.
-    """
+    """A fitted model."""
 
     shape: Shape
     terms: tuple[Term, ...]
     drive: Drive
-    beta: Array
-    gain: float
+    beta: Array  # linear coefficients, one per column, in the drive's units (see `gain`)
+    gain: float  # torque per unit of drive; 1 for a measured torque
     layout: Layout
-    residual: Array
-    jacobian: Array
-    weight: Array
-    bound: NDArray[np.bool_]
+    residual: Array  # drive minus model times gain, N m, kept samples of all logs, shape (n,)
+    jacobian: Array  # of the model in N m by every parameter, linear ones first, shape (n, p)
+    weight: Array  # of each sample, shape (n,)
+    bound: NDArray[np.bool_]  # which parameters are on a bound of their range, shape (p,)
+    # range of each linear coefficient; for a shape number, by how much one search may change it
     low: Array
     high: Array
-    log_index: NDArray[np.int64]
+    log_index: NDArray[np.int64]  # log of each sample, shape (n,)
+    # columns of other possible initial states of each log, N m, shape (n, m), which belong to no
+    # parameter of the model; empty if the model has no free oscillation
     begun: Array
-    target_rms: float
+    target_rms: float  # of the measured torque
+    # whether all in N m is in units of the drive, because the logs do not determine the gain
     in_drive_units: bool = False
+    # weighted rms of the drive, relative to that before effects of the drive changed it
     acting: float = 1.0
+    # torque per small error of position, of the drive and the load, relative to that before effects
+    # changed them; geometric mean. 1 for a measured drive
     holding: float = 1.0
-    commanded: bool = False
+    commanded: bool = False  # whether a controller computes the drive from commands
 
     @property
     def over_kp(self) -> bool:

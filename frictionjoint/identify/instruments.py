@@ -103,16 +103,12 @@ class EncoderTerm(SmoothTerm):
 
     With q = measured - d(measured), d = a sin(N q) + b cos(N q), the balance is wrong by its change
     along d: in acceleration, gravity and viscous friction, with one d in all of them.
-
-    Attributes:
-        order: N, waves per turn. inertia: N m s^2/rad. arms: of gravity, kg m, see signals.
-        viscosity: N m s/rad.
     """
 
-    order: float
-    inertia: float
-    arms: tuple[float, float]
-    viscosity: float
+    order: float  # N, waves per turn
+    inertia: float  # N m s^2/rad
+    arms: tuple[float, float]  # of gravity, kg m, see signals
+    viscosity: float  # N m s/rad
     # amplitudes of the two waves, rad
     coefficients = ("sin", "cos")
 

@@ -32,19 +32,12 @@ _REACHES = np.array([1e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0])
 
 @dataclass(frozen=True)
 class LinearLaw:
-    """A law fitted by linear regression; levels are in units of the drive.
+    """A law fitted by linear regression; levels are in units of the drive."""
 
-    Attributes:
-        reaches: displacement from rest to slipping of each element, rad (m), shape (k,).
-        levels: of each element: the constant part, then the parts that decrease with speed, see
-            `falls`, shape (1 + f, k).
-        rms: of the weighted residual. residual: on the kept samples, shape (n,).
-    """
-
-    reaches: Array
-    levels: Array
-    rms: float
-    residual: Array
+    reaches: Array  # displacement from rest to slipping of each element, rad (m), shape (k,)
+    levels: Array  # of each element, constant and falling with speed, see `falls`, shape (1 + f, k)
+    rms: float  # of the weighted residual
+    residual: Array  # on the kept samples, shape (n,)
 
     @property
     def level(self) -> float:

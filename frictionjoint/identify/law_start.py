@@ -21,19 +21,13 @@ _SPEEDS, _VELOCITIES = np.geomspace(1e-3, 0.5, 60), np.geomspace(2e-3, 0.25, 25)
 
 @dataclass(frozen=True)
 class LawStart:
-    """Starting values that apply to every law.
+    """Starting values that apply to every law."""
 
-    Attributes:
-        excess: Fs / Fc - 1. Vs: Stribeck velocity, rad/s (m/s). delta: its exponent.
-        length: displacement after a reversal in which half of the friction change takes place, rad
-            (m).
-        bend: slope of the curve's second segment over its first, and of its third over its second.
-    """
-
-    excess: float
-    Vs: float
-    delta: float
-    length: float
+    excess: float  # Fs / Fc - 1
+    Vs: float  # Stribeck velocity, rad/s (m/s)
+    delta: float  # its exponent
+    length: float  # displacement, rad (m), after a reversal for half of the friction change
+    # slope of the curve's second segment over its first, and of its third over its second
     bend: tuple[float, float]
 
     @classmethod

@@ -13,15 +13,12 @@ from frictionjoint.identify.terms import Term
 
 @dataclass(frozen=True)
 class Layout:
-    """Parameters of a law with terms.
+    """Parameters of a law with terms."""
 
-    Attributes:
-        base: names of the law's linear coefficients: load (if the gain of the drive is unknown),
-            sigma2, Fc, sigma1. law: names of the numbers of its shape.
-    """
-
+    # names of the law's linear coefficients: load (if the drive's gain is unknown), sigma2, Fc,
+    # sigma1
     base: tuple[str, ...]
-    law: tuple[str, ...]
+    law: tuple[str, ...]  # names of the numbers of its shape
     terms: tuple[Term, ...]
 
     @cached_property

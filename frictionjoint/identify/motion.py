@@ -14,29 +14,20 @@ from frictionjoint.measured.lowpass import LowPass, steep
 
 
 class Motion(NamedTuple):
-    """A log's motion on a uniform grid, rad and s, or m and s.
+    """A log's motion on a uniform grid, rad and s, or m and s, shape (n,) each."""
 
-    Attributes:
-        raw_time, raw: the position on the log's own grid, shape (m,). sample: its sampling
-            interval, s.
-        smooth: filter from the log's grid to this one.
-        time, q, v, a: shape (n,). dt: time step, s.
-        others: position, velocity and acceleration of other joints by name.
-        rigid: rigid-body torque along it. gear: without the armature's part.
-    """
-
-    raw_time: Array
-    raw: Array
-    sample: float
-    smooth: LowPass
+    raw_time: Array  # the log's own grid, shape (m,)
+    raw: Array  # position on it
+    sample: float  # its sampling interval, s
+    smooth: LowPass  # from the log's grid to this one
     time: Array
-    dt: float
+    dt: float  # time step, s
     q: Array
     v: Array
     a: Array
-    others: dict[str, tuple[Array, Array, Array]]
+    others: dict[str, tuple[Array, Array, Array]]  # q, v and a of other joints by name
     rigid: RigidBodyTorque
-    gear: Array
+    gear: Array  # rigid-body torque without the armature's part
 
 
 def grid_steps(corner_hz: float) -> tuple[float, float]:

@@ -25,14 +25,12 @@ from frictionjoint.measured.repairs import interpolated, lone_readings
 
 @dataclass(frozen=True)
 class Band:
-    """Corners of the filters of the torque balance and of the motion, Hz; whether a measured drive
-    is constant from one sample to the next, and whether samples at the end of its range are
-    unused."""
+    """Corners of the filters of the torque balance and of the motion, Hz."""
 
     balance: float
     motion: float
-    zero_order_hold: bool = False
-    sensor_saturates: bool = False
+    zero_order_hold: bool = False  # whether a measured drive is constant between samples
+    sensor_saturates: bool = False  # whether samples at the end of its range are unused
 
 
 def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDArray[np.bool_]:
@@ -44,20 +42,13 @@ def clear_of(unknown: NDArray[np.bool_], bandwidth_hz: float, dt: float) -> NDAr
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of one log.
+    """Noise of one log."""
 
-    Attributes:
-        torque: one-sided density, (unit of the drive)^2 / Hz.
-        frequency: Hz, and position: density of the position noise there, rad^2 / Hz, shape (m,).
-        inertia: drive per acceleration of the joints that move, kg m^2 if the drive is a torque.
-        count: encoder step, rad; 0 if the log has none.
-    """
-
-    torque: float
-    frequency: Array = field(repr=False)
-    position: Array = field(repr=False)
-    inertia: float
-    count: float
+    torque: float  # one-sided density, (unit of the drive)^2 / Hz
+    frequency: Array = field(repr=False)  # Hz, shape (m,)
+    position: Array = field(repr=False)  # density of the position noise there, rad^2 / Hz
+    inertia: float  # drive per acceleration of the joints that move, kg m^2 if it is a torque
+    count: float  # encoder step, rad; 0 if the log has none
 
     @property
     def resolution(self) -> float:

@@ -30,29 +30,19 @@ TURNS = 0.01
 
 @dataclass(frozen=True)
 class RigidBodyTorque:
-    """Rigid-body torque along a motion, each of shape (n,).
+    """Rigid-body torque along a motion, each of shape (n,); of gravity, zero for a slide joint."""
 
-    Attributes:
-        load: torque that the rigid body needs at the joint, N m (N for a slide).
-        gx, gy: gravity torque of 1 kg at 1 m along the child body's two axes across the joint, N m
-            per kg m; zero for a slide joint.
-        sag: gravity torque of the link over its inertia, without the joint's armature, rad/s^2;
-            zero for a slide joint.
-        sway: derivative of `sag` by the position, 1/s^2.
-        inertia: about the joint's axis, with the joint's armature, kg m^2 (kg).
-        coupling: root of the sum of squares of the torques per acceleration of each joint that
-            moves, with the joint's own, kg m^2 (kg).
-        unknown: friction outside of the joint that the motion does not determine, N m; None: none.
-    """
-
-    load: Array
+    load: Array  # torque that the rigid body needs at the joint, N m (N for a slide)
+    # gravity of 1 kg at 1 m along the child body's two axes across the joint, N m per kg m
     gx: Array
     gy: Array
-    sag: Array
-    sway: Array
-    inertia: Array
+    sag: Array  # gravity torque of the link over its inertia, without the armature, rad/s^2
+    sway: Array  # derivative of `sag` by the position, 1/s^2
+    inertia: Array  # about the joint's axis, with the joint's armature, kg m^2 (kg)
+    # root of the sum of squares of the torques per acceleration of each joint that moves, with the
+    # joint's own, kg m^2 (kg)
     coupling: Array
-    unknown: Array | None = None
+    unknown: Array | None = None  # friction outside of the joint that no motion determines, N m
 
 
 class RigidBody:

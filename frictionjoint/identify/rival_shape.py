@@ -54,17 +54,12 @@ class RivalShape(KernelShape):
     """Search variables of another law: Fs / Fc - 1, Vs, delta, then its own.
 
     `length` is Fs (Dahl: Fc) over the stiffness, so that it has a similar meaning in every law.
-
-    Attributes:
-        law: the class of its parameters. numbers: in the order of `variables`.
-        least_rate: of the attraction to the sliding level, C over Fc, in 1/s.
-        breakaway_assumed: whether Fs / Fc - 1, the first number, is not searched.
     """
 
-    law: Any
-    numbers: tuple[float, ...]
-    least_rate: float = 0.1
-    breakaway_assumed: bool = False
+    law: Any  # the class of its parameters
+    numbers: tuple[float, ...]  # in the order of `variables`
+    least_rate: float = 0.1  # of the attraction to the sliding level, C over Fc, in 1/s
+    breakaway_assumed: bool = False  # whether Fs / Fc - 1, the first number, is not searched
 
     @property
     def variables(self) -> tuple[str, ...]:

@@ -34,51 +34,32 @@ Drive = Literal["torque", "voltage", "current"]
 
 @dataclass(frozen=True)
 class Segment:
-    """One prepared log.
-
-    Attributes:
-        dt: s between samples of the grid. step: one in `step` samples is kept for the fit.
-        bandwidth_hz: corner of the filter of the balance. corner_hz: of that of the motion.
-        signals: shape (n, N_SIGNALS) on the grid; H and DTAU are filled by a fit.
-        drive: torque, voltage or current after the filter of the motion, shape (n,).
-        driven: shape (n,), False while the motor is off: its leads are open, so neither a voltage
-            nor the back-EMF acts.
-        mask: shape (n,), False where the torque is unknown or a filter edge spoils the sample.
-        others: further measured quantities by name, for unexplained dependences.
-        noise: of the instruments. sample: sampling interval of the log itself, s.
-        commanded: for an unmeasured drive, the commands of its controller.
-        weight: of each sample in a fit, shape (n,), see `weights`; None: all equal.
-        held: friction at the first sample over Fc, see `start`.
-        swing: deflection of an elastic joint at the first sample and its rate, see `start`.
-        driven_along: cached path of a law; see `path`.
-        unknown: friction outside of the joint that the motion does not determine, N m, (n,).
-        saturated: shape (n,), 1 while a measured drive is at its largest value, -1 at its smallest,
-            0 elsewhere; None: it is at neither.
-        inertia: mean inertia about the joint's axis, kg m^2 (kg).
-        turned_by_another: start and end of each part that the mask leaves out because another drive
-            turns the joint there, s in the log's time.
-    """
+    """One prepared log, its arrays of shape (n,) on a uniform grid."""
 
     name: str
-    dt: float
-    bandwidth_hz: float
-    step: int
-    signals: Array
-    drive: Array
+    dt: float  # s between samples of the grid
+    bandwidth_hz: float  # corner of the filter of the balance
+    step: int  # one in `step` samples is kept for the fit
+    signals: Array  # shape (n, N_SIGNALS); H and DTAU are filled by a fit
+    drive: Array  # torque, voltage or current after the filter of the motion
+    # False while the motor is off: its leads are open, so neither a voltage nor the back-EMF acts
     driven: NDArray[np.bool_]
-    mask: NDArray[np.bool_]
-    others: dict[str, Array]
+    mask: NDArray[np.bool_]  # False where the torque is unknown or a filter edge spoils the sample
+    others: dict[str, Array]  # further measured quantities by name, for unexplained dependences
     noise: Noise
-    sample: float
-    corner_hz: float
-    commanded: Commanded | None = None
-    weight: Array | None = None
-    held: float = 0.0
-    swing: tuple[float, float] = (0.0, 0.0)
-    driven_along: Path | None = None
-    unknown: Array | None = None
+    sample: float  # sampling interval of the log itself, s
+    corner_hz: float  # corner of the filter of the motion
+    commanded: Commanded | None = None  # for an unmeasured drive, the commands of its controller
+    weight: Array | None = None  # of each sample in a fit, see `weights`; None: all equal
+    held: float = 0.0  # friction at the first sample over Fc, see `start`
+    swing: tuple[float, float] = (0.0, 0.0)  # first deflection of an elastic joint, and its rate
+    driven_along: Path | None = None  # cached path of a law, see `path`
+    unknown: Array | None = None  # friction outside of the joint that no motion determines, N m
+    # 1 while a measured drive is at its largest value, -1 at its smallest; None: it is at neither
     saturated: Array | None = None
-    inertia: float = 0.0
+    inertia: float = 0.0  # mean inertia about the joint's axis, kg m^2 (kg)
+    # start and end, s in the log's time, of each part that the mask leaves out because another
+    # drive turns the joint there
     turned_by_another: tuple[tuple[float, float], ...] = ()
 
     @cached_property
@@ -157,27 +138,21 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """All logs of a fit.
-
-    Attributes:
-        drive: kind of drive in the logs. The torque per voltage or current is an unknown gain.
-        motor_off: whether a voltage-driven joint has its motor off in some samples: there viscous
-            friction acts without back-EMF, so that the two can be distinguished.
-        nothing: names of time offsets that are assumed to be zero: see `starts.with_times`, or
-            because an inertia error was found in these logs.
-        slow: whether the speeds hardly exceed the Stribeck velocity, see `base_fit`.
-        least_level: bound of Fc in units of the drive; more than nothing is assumed, see
-            `assumptions.with_assumed_level`.
-    """
+    """All logs of a fit."""
 
     segments: tuple[Segment, ...]
     joint: str
     slide: bool
-    drive: Drive
+    drive: Drive  # the torque per voltage or current is an unknown gain
     band: Band
+    # whether a voltage-driven joint has its motor off in some samples: there viscous friction acts
+    # without back-EMF, so that the two can be distinguished
     motor_off: bool = False
+    # names of time offsets that are assumed to be zero: see `starts.with_times`, or because an
+    # inertia error was found in these logs
     nothing: frozenset[str] = frozenset()
-    slow: bool = False
+    slow: bool = False  # whether the speeds hardly exceed the Stribeck velocity, see `base_fit`
+    # bound of Fc, in units of the drive, that `assumptions.with_assumed_level` raises
     least_level: float = LEAST_LEVEL
 
     def __len__(self) -> int:

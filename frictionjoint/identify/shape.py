@@ -162,28 +162,19 @@ _SHARP = 12.0
 
 @dataclass(frozen=True)
 class IntegratedShape(KernelShape):
-    """Search variables of the integrated law.
+    """Search variables of the integrated law; the last four attributes are those of `Shape`."""
 
-    Attributes:
-        excess: Fs / Fc - 1, >= 0.
-        Vs: Stribeck velocity, rad/s.
-        delta: Stribeck exponent.
-        length: z of the first knot, rad; the presliding stiffness is Fs / length. Searched is the
-            end of the curve, which bends do not move: a joint reaches it in any log that slides.
-        bend: slope of the second segment over the first, and of the third over the second, each
-            in (0, 1]; (1, 1) is a straight transition curve.
-        form: what a search cannot vary smoothly.
-        negative: excess and Vs of negative motion; None: as of positive motion.
-        damped, stiffness_assumed, breakaway_assumed, steep_start: see `Shape`.
-    """
-
-    excess: float
-    Vs: float
-    delta: float
+    excess: float  # Fs / Fc - 1, >= 0
+    Vs: float  # Stribeck velocity, rad/s
+    delta: float  # Stribeck exponent
+    # z of the first knot, rad; the presliding stiffness is Fs / length. Searched is the end of the
+    # curve, which bends do not move: a joint reaches it in any log that slides
     length: float
+    # slope of the second segment over the first, and of the third over the second, each in (0, 1];
+    # (1, 1) is a straight transition curve
     bend: tuple[float, float]
-    form: Form
-    negative: tuple[float, float] | None = None
+    form: Form  # what a search cannot vary smoothly
+    negative: tuple[float, float] | None = None  # excess and Vs of negative motion, if different
     damped: bool = False
     stiffness_assumed: bool = False
     breakaway_assumed: bool = False

@@ -52,21 +52,16 @@ class SmoothTerm(Term):
 
 @dataclass(frozen=True)
 class SplineTerm(SmoothTerm):
-    """A cubic spline in a quantity, alone or times the direction of friction.
+    """A cubic spline in a quantity, alone or times the direction of friction."""
 
-    Attributes:
-        low, high: range of the knots; the curve is constant outside.
-        odd: multiplied by H, the direction of friction.
-        means, slopes: of the columns over the logs, subtracted. A constant is a bias, a named
-            effect, and a curve that contained it would beat every other effect. A part linear in
-            the load is a gain, in the velocity viscous friction: a curve that contained it would
-            leave both undetermined, and their difference would be a bias wherever the mean is not
-            zero.
-    """
-
+    # range of the knots; the curve is constant outside
     low: float
     high: float
-    odd: bool = False
+    odd: bool = False  # multiplied by H, the direction of friction
+    # of the columns over the logs, subtracted. A constant is a bias, a named effect, and a curve
+    # that contained it would beat every other effect. A part linear in the load is a gain, in the
+    # velocity viscous friction: a curve that contained it would leave both undetermined, and their
+    # difference would be a bias wherever the mean is not zero.
     means: tuple[float, ...] = ()
     slopes: tuple[float, ...] = ()
     pieces: int = 5
@@ -168,15 +163,10 @@ class TunedTerm(SmoothTerm):
 
 @dataclass(frozen=True)
 class WaveTerm(TunedTerm):
-    """A wave in time whose phase differs between logs.
+    """A wave in time, at a frequency in Hz, whose phase differs between logs."""
 
-    Attributes:
-        at: frequency, Hz. within: range of its line in the spectrum. logs: names, in order.
-        moved: fraction of the wave that the motion itself can produce, 0 to 1.
-    """
-
-    logs: tuple[str, ...]
-    moved: float = 0.0
+    logs: tuple[str, ...]  # names, in order
+    moved: float = 0.0  # fraction of the wave that the motion itself can produce, 0 to 1
 
     @property
     def coefficients(self) -> tuple[str, ...]:

@@ -34,17 +34,12 @@ _RULE[[0, -1]] *= 0.5
 
 @dataclass(frozen=True)
 class Path:
-    """Path along which a law is driven: m >= n points for the n samples of a grid.
+    """Path along which a law is driven: m >= n points for the n samples of a grid."""
 
-    Attributes:
-        time, position: shape (m,). samples: index of each sample among the points, shape (n,).
-        averaged: whether a sample is the mean over the step around it, shape (n,).
-    """
-
-    time: Array
-    position: Array
-    samples: Index
-    averaged: NDArray[np.bool_]
+    time: Array  # shape (m,)
+    position: Array  # shape (m,)
+    samples: Index  # index of each sample among the points, shape (n,)
+    averaged: NDArray[np.bool_]  # whether a sample is the mean over the step around it, shape (n,)
 
 
 def path_of(signals: Array, resolution: float) -> Path:

@@ -23,19 +23,16 @@ _PAIRS = ("pos", "neg")
 
 @dataclass(frozen=True)
 class Posterior:
-    """A joint distribution of the numbers of a parameter file.
+    """A joint distribution of the numbers of a parameter file."""
 
-    Attributes:
-        content: of the file at the mean. factor: change of each number with each of r independent
-            standard normal numbers, shape (m, r), in the order of `numbers_in`.
-        of_gain: number of first columns that stem from the gain of the drive, which the logs
-            determine together with the friction: 1, or 0 if the torque was measured.
-        constraint: how friction acts in the logs, if they show MuJoCo's own `frictionloss`.
-    """
-
-    content: dict[str, Any]
+    content: dict[str, Any]  # of the file at the mean
+    # change of each number with each of r independent standard normal numbers, shape (m, r), in the
+    # order of `numbers_in`
     factor: Array
+    # number of first columns that stem from the gain of the drive, which the logs determine
+    # together with the friction: 1, or 0 if the torque was measured
     of_gain: int = 0
+    # how friction acts in the logs, if they show MuJoCo's own `frictionloss`
     constraint: Constraint | None = None
 
     @property
@@ -151,17 +148,12 @@ def numbers_in(content: Mapping[str, Any]) -> Array:
 
 
 class Entry(NamedTuple):
-    """A number of a parameter file.
+    """A number of a parameter file."""
 
-    Attributes:
-        key: its name in the file. effect: table that contains it; None: a number of the law.
-        value: see `numbers_in`. positive: whether it can never be negative.
-    """
-
-    key: str
-    effect: Mapping[str, Any] | None
-    value: float
-    positive: bool
+    key: str  # its name in the file
+    effect: Mapping[str, Any] | None  # table that contains it; None: a number of the law
+    value: float  # see `numbers_in`
+    positive: bool  # whether it can never be negative
 
 
 def entries(content: Mapping[str, Any]) -> list[Entry]:

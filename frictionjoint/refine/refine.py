@@ -22,21 +22,14 @@ _FALL = "excess"
 
 @dataclass(frozen=True)
 class Refined:
-    """A refinement, and the decision to use it.
+    """A refinement, and the decision to use it."""
 
-    Attributes:
-        near: numbers refined on windows of the logs, and their evidence.
-        found: numbers refined on whole logs, and their evidence.
-        before: mean absolute error of each log, see `guard.of_logs`, of models fitted to the torque
-            of other kinds of logs, rad (m), shape (logs,); `found.left_out` is that of the refined
-            ones.
-        taken: whether the refined model is used, because it predicts unlike motion better.
-    """
-
-    near: Tried
-    found: Tried
+    near: Tried  # numbers refined on windows of the logs, and their evidence
+    found: Tried  # numbers refined on whole logs, and their evidence
+    # mean absolute error of each log, see `guard.of_logs`, of models fitted to the torque of other
+    # kinds of logs, rad (m), shape (logs,); `found.left_out` is that of the refined ones
     before: Array
-    taken: bool
+    taken: bool  # whether the refined model is used, because it predicts unlike motion better
 
     @property
     def fit(self) -> Fit:

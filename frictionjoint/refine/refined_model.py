@@ -13,20 +13,12 @@ from frictionjoint.replay.loops import LoopErrors, Loops
 
 @dataclass(frozen=True)
 class RefinedModel:
-    """A refinement in a report.
+    """A refinement in a report."""
 
-    Attributes:
-        taken: whether the refinement is the result, because it predicted left-out logs better than
-            the fit to torque.
-        guard: mean absolute errors on left-out logs, before and after, rad (m).
-        loops: whole logs in closed loop; None if the drive was measured.
-        parameters: by name, with standard errors.
-    """
-
-    taken: bool
-    guard: tuple[float, float]
-    loops: LoopErrors | None
-    parameters: dict[str, Estimate]
+    taken: bool  # whether it is the result: left-out logs are predicted better than by the fit
+    guard: tuple[float, float]  # mean absolute errors on left-out logs, before and after, rad (m)
+    loops: LoopErrors | None  # whole logs in closed loop; None if the drive was measured
+    parameters: dict[str, Estimate]  # by name, with standard errors
 
     @classmethod
     def of(cls, outcome: Refined, loops: Loops | None, slide: bool, scaled: bool) -> "RefinedModel":

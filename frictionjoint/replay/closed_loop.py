@@ -39,28 +39,21 @@ _WHOLE = 1e-6
 
 @dataclass(frozen=True)
 class Course:
-    """A log prepared for simulation.
+    """A log prepared for simulation."""
 
-    Attributes:
-        name: of the log. time, position: as measured, shape (n,). target: of the log.
-        run: for the controller as given. motion: measured position and velocity at its steps.
-        delay: of the controller, s. figures: quantities that distinguish kinds of logs, by name:
-            metadata of the log, its motion, its load.
-        window_s: s between restarts from the measured motion, if the drive was measured: such a
-            drive does not return a joint to its path. None: a controller follows the target.
-        counts: whether the position of a sample is compared, shape (n,); None: all are.
-    """
-
-    name: str
-    time: Array
-    position: Array
-    target: Array
-    run: Run
-    motion: tuple[Array, Array]
-    delay: float
+    name: str  # of the log
+    time: Array  # as measured, shape (n,)
+    position: Array  # as measured, shape (n,)
+    target: Array  # of the log, shape (n,)
+    run: Run  # for the controller as given
+    motion: tuple[Array, Array]  # measured position and velocity at its steps
+    delay: float  # of the controller, s
+    # quantities that distinguish kinds of logs, by name: metadata of the log, its motion, its load
     figures: dict[str, float | str]
+    # s between restarts from the measured motion, if the drive was measured: such a drive does not
+    # return a joint to its path. None: a controller follows the target
     window_s: float | None = None
-    counts: NDArray[np.bool_] | None = None
+    counts: NDArray[np.bool_] | None = None  # whether a sample is compared, shape (n,); None: all
 
     def changed(self, changes: Sequence[Change]) -> Run:
         """The same run with a controller changed by effects of the drive."""

@@ -29,16 +29,12 @@ from frictionjoint.simulate.motor import Motor, add_motor
 
 @dataclass(frozen=True)
 class Replay:
-    """Free runs of a model.
+    """Free runs of a model."""
 
-    Attributes:
-        errors: position error, m or rad, one array per log, NaN where nothing was simulated,
-            infinite in runs that became unstable.
-        travel: largest measured travel of a log, m or rad.
-    """
-
+    # position error, m or rad, one array per log, NaN where nothing was simulated, infinite in runs
+    # that became unstable
     errors: tuple[Array, ...]
-    travel: float
+    travel: float  # largest measured travel of a log, m or rad
 
     @property
     def rms(self) -> float | None:
