@@ -16,10 +16,10 @@ from frictionjoint.diagnose.library import effect_terms
 from frictionjoint.diagnose.spectrum import periodic_terms
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.effect import Effect
+from frictionjoint.identify.base_fit import with_last_freedoms
 from frictionjoint.identify.blocks import make_blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
-from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import Estimate, term_estimates
 from frictionjoint.identify.rigid_body import RigidBody

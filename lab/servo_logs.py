@@ -26,7 +26,7 @@ from frictionjoint import close_loop
 from frictionjoint.control import PRESETS
 from frictionjoint.measured.log import JointLog, split_in_time
 from frictionjoint.measured.readers import read_log
-from frictionjoint.replay.loops import LoopErrors
+from frictionjoint.replay.closed_loop import LoopErrors
 from frictionjoint.report.joint_report import Report
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -6,8 +6,7 @@ The friction is LuGre's (Canudas de Wit et al. 1995), integrated here along a gi
 import numpy as np
 import pytest
 
-from frictionjoint.identify.base_fit import base_fit
-from frictionjoint.identify.last_freedoms import with_last_freedoms
+from frictionjoint.identify.base_fit import base_fit, with_last_freedoms
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody

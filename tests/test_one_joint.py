@@ -8,10 +8,10 @@ import pytest
 
 from frictionjoint.control import kernel as k
 from frictionjoint.effects.catalogue import CATALOGUE
-from frictionjoint.identify.joint_load import load_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.parameters import FrictionParameters
+from frictionjoint.replay.closed_loop import load_of
 from frictionjoint.simulate.attach import attach
 from frictionjoint.simulate.carrier import install
 from frictionjoint.simulate.motor import Motor, add_motor
@@ -46,7 +46,7 @@ def run_of(target, start, B):
         supply=np.ones(N),
         on=np.ones(N, dtype=bool),
         start=start,
-        load=load_of(RigidBody(MODEL, JOINT)),
+        load=load_of(RigidBody(MODEL, JOINT), np.zeros(1), {}),
         block=B,
     )
 

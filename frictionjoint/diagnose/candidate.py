@@ -7,7 +7,8 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.law_signals import columns_of_term, full_signals
+from frictionjoint.identify.design import columns_of_term
+from frictionjoint.identify.sensitivity import full_signals
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.terms import EffectTerm, Term

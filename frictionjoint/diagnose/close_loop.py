@@ -20,7 +20,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.in_report import with_recordings
-from frictionjoint.refine.motion import window_squares
+from frictionjoint.refine.objective import window_squares
 from frictionjoint.replay.free_runs import replay, replayed_whole, simulated_whole
 from frictionjoint.report.entries import SimulatedPosition
 from frictionjoint.report.joint_report import Report

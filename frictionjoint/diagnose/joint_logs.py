@@ -17,7 +17,7 @@ from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.validate import require_motion
-from frictionjoint.replay.loops import Loops
+from frictionjoint.replay.closed_loop import Loops
 
 
 @dataclass(frozen=True)

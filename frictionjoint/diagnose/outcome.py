@@ -21,12 +21,12 @@ from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, compared, distinguishable, without
 from frictionjoint.effects.catalogue import title
 from frictionjoint.identify.assumptions import with_assumptions
+from frictionjoint.identify.base_fit import with_last_freedoms
 from frictionjoint.identify.basis import lengths
 from frictionjoint.identify.basis import without as projected_out
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_delivered
-from frictionjoint.identify.last_freedoms import with_last_freedoms
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import ROUGH, refit

@@ -21,8 +21,8 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.smooth import VARIABLES
 from frictionjoint.identify.start import predict
 from frictionjoint.identify.terms import DriveTerm, Term
+from frictionjoint.replay.closed_loop import LoopErrors
 from frictionjoint.replay.free_runs import Replay
-from frictionjoint.replay.loops import LoopErrors
 from frictionjoint.replay.windows import RUN_S
 from frictionjoint.report.entries import (
     Added,

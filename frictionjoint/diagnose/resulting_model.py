@@ -9,11 +9,9 @@ from frictionjoint.diagnose.joint_logs import JointLogs
 from frictionjoint.identify.early_checks import check_fit, load_shows, scale_is_determined
 from frictionjoint.identify.fit import Fit, with_gain
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.refine.refine import Refined, refine
-from frictionjoint.refine.refined_model import RefinedModel
-from frictionjoint.replay.closed_loop import driven_courses
+from frictionjoint.refine.refine import Refined, RefinedModel, refine
+from frictionjoint.replay.closed_loop import LoopErrors, driven_courses
 from frictionjoint.replay.free_runs import simulated_whole
-from frictionjoint.replay.loops import LoopErrors
 from frictionjoint.replay.windows import RUN_S
 
 

@@ -1,4 +1,12 @@
-"""Fit of the law alone: the result of `identify`, and the start and reference of `close-loop`."""
+"""Fit of the law alone: the result of `identify`, and the start and reference of `close-loop`.
+
+Some options of a law are decided last. A contact with sharp sliding follows its transition curve
+until it slides, as elements that stick and slip do; the large exponent takes long, so no search has
+it. Contact damping sigma1 and a Stribeck curve per direction would absorb effects that are searched
+for. The filter of the torque balance removes most of sigma1, which with a soft transition curve
+resembles viscous friction for a while after each reversal. Stribeck curves that differ by direction
+resemble an asymmetry of the friction.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -7,10 +15,10 @@ from frictionjoint.decisions import APART
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rival_shape import forms_of, start_of
-from frictionjoint.identify.rounding import in_order
+from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.shape import INTEGRATED, Shape
+from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.starts import law_alone, refined_starts
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.rivals import StaticParameters
@@ -69,3 +77,27 @@ def better_form(prepared: Prepared, fitted: Fit, forms: Sequence[Fit]) -> tuple[
     if not clear:
         return prepared, fitted
     return reweighed(prepared, in_order(clear, lambda f: f.drive_rms)[0])
+
+
+def with_last_freedoms(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
+    """Logs and fit with each of these options that clearly reduces the residual, reweighed as the
+    law's error determines the weights."""
+    found = _with_sharp_sliding(prepared, fitted)
+    for free in (IntegratedShape.with_damping, IntegratedShape.by_direction):
+        shape = found.shape
+        if not isinstance(shape, IntegratedShape) or free(shape) == shape:
+            continue
+        freed = refit(prepared, found.effects, free(shape), ROUGH)
+        if freed.clearly_better(found):
+            found = freed
+    return (prepared, fitted) if found is fitted else reweighed(prepared, found)
+
+
+def _with_sharp_sliding(prepared: Prepared, fitted: Fit) -> Fit:
+    shape = fitted.shape
+    if not isinstance(shape, IntegratedShape) or shape.sharp:
+        return fitted
+    # a narrow and a wide Stribeck curve are local minima of their own
+    found = [refit(prepared, fitted.effects, start, ROUGH) for start in shape.with_sharp_sliding()]
+    best: Fit = best_of(found, lambda f: f.drive_rms)
+    return best if best.clearly_better(fitted) else fitted

@@ -7,10 +7,9 @@ from pathlib import Path
 import mujoco
 
 from frictionjoint.errors import ModelError
-from frictionjoint.identify.earlier_friction import ignored_note
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.matching import check_logs
-from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rigid_body import RigidBody, ignored_note
 from frictionjoint.measured.log import JointLog
 
 

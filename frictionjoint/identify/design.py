@@ -7,19 +7,18 @@
 All columns and the target pass the same filter (`Segment.lowpass`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import H
+from frictionjoint.effects.signals import MOTOR, RATE, H
 from frictionjoint.identify.basis import lengths
 from frictionjoint.identify.bundle import Bundle, Spectra
-from frictionjoint.identify.law_signals import columns_of_term, with_motor, with_track
 from frictionjoint.identify.layout import Layout, layout_of, term_bounds
-from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import (
     DriveTerm,
@@ -245,6 +244,51 @@ class Balance:
             return np.ascontiguousarray(both[..., 1:].transpose(1, 0, 2))
 
         return part.store.get(("moves", law, damped), make)
+
+
+def with_track(track: Array, bundle: Bundle) -> Iterator[Array]:
+    """Signals of each log with H and RATE of a law, shape (2, n), filled in."""
+    for segment, own in zip(bundle.logs, bundle.places, strict=True):
+        signals = segment.signals.copy()
+        signals[:, H], signals[:, RATE] = track[:, own]
+        yield signals
+
+
+def columns_of_term(term: Term, signals: Iterable[Array], part: Bundle) -> Array:
+    """Columns of a term along each log of a bundle, on the kept samples, (m, k)."""
+    logs = zip(part.logs, signals, strict=True)
+    return part.kept(np.concatenate([term.columns(s, x) for s, x in logs]).T)
+
+
+def with_motor(X: Array, beta: Array, layout: Layout, segments: Sequence[Segment]) -> Array:
+    """The columns, including those that depend on the motor torque, in a fit to voltage or current.
+
+    The motor torque equals the rest of the balance, without what acts on the motor. So it follows
+    from the unknown coefficients: these columns and the coefficients are computed alternately. It
+    is filtered, because the motion is known no finer, and unfiltered steps of friction would stand
+    out.
+
+    Args:
+        X: shape (n, k), rows of the logs' kept samples; the first column is that of the load.
+        beta: in units of the drive, shape (k,).
+    """
+    at = [i for i, term in enumerate(layout.terms) if MOTOR in term.effect.needs]
+    if not at:
+        return X
+    taken = beta.copy()
+    for i, term in enumerate(layout.terms):
+        if term.effect.on_motor:
+            taken[layout.coefficients(i)] = 0.0
+    torque = X @ taken / beta[0]
+    filled, begin = X.copy(), 0
+    for segment in segments:
+        signals = segment.at_kept(segment.signals)
+        end = begin + len(signals)
+        signals[:, MOTOR] = torque[begin:end]
+        for i in at:
+            filled[begin:end, layout.coefficients(i)] = layout.terms[i].columns(segment, signals)
+        begin = end
+    return np.asarray(filled)
 
 
 def reaches(term: Term, span: float) -> list[tuple[float, float]]:

@@ -22,12 +22,6 @@ from frictionjoint.arrays import Array, Index, root_mean_square
 from frictionjoint.effects.signals import GX, GY, LOAD, A, Q, V
 from frictionjoint.errors import LogError
 from frictionjoint.identify.basis import lengths, pseudo_inverse
-from frictionjoint.identify.error_messages import (
-    friction_drives,
-    reversed_load,
-    too_large,
-    unexplained,
-)
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.law_basis import plain_friction, top_speed
 from frictionjoint.identify.segment import Prepared
@@ -39,6 +33,7 @@ MOST_LEFT = 0.95
 SURE = 5.0
 # Blocks of the samples that count as independent.
 _BLOCKS = 30
+_MEASURED = {"voltage": "voltage_v", "current": "current_a"}
 
 
 class Balance(NamedTuple):
@@ -93,13 +88,13 @@ def check(prepared: Prepared) -> None:
     _check_signs(prepared, balance, load)
     left = _left(balance, prepared.gain_unknown)
     if left > MOST_LEFT:
-        raise LogError(unexplained(prepared, left, _hint(prepared, balance)))
+        raise LogError(_unexplained(prepared, left, _hint(prepared, balance)))
     # A unit is wrong if gravity and inertia are both ten times the model's or more, and agree
     # within a factor of two. One alone may be too small in a model, without the gripper of a wrist
     # or the inertia of its motor.
     alike = load.factors.max() < 2.0 * load.factors.min()
     if not prepared.gain_unknown and np.min(load.factors - SURE * load.errors) > 10.0 and alike:
-        raise LogError(too_large(prepared, float(load.factors.mean())))
+        raise LogError(_too_large(prepared, float(load.factors.mean())))
 
 
 def unexplained_fraction(prepared: Prepared) -> float:
@@ -111,7 +106,7 @@ def check_fit(prepared: Prepared, fitted: Fit) -> None:
     """Raise LogError if a fit explains hardly any torque, because its parameters mean nothing."""
     left = fitted.rms / fitted.target_rms if fitted.target_rms else np.inf
     if left > MOST_LEFT:
-        raise LogError(unexplained(prepared, left, ""))
+        raise LogError(_unexplained(prepared, left, ""))
 
 
 def scale_is_determined(prepared: Prepared, fitted: Fit) -> bool:
@@ -150,7 +145,12 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load) -> None:
     if prepared.gain_unknown:
         _check_drive_changes(prepared)
     if np.max(load.factors + SURE * load.errors) < 0.0:
-        raise LogError(reversed_load(prepared, *load.factors))
+        gravity, inertia = load.factors
+        why = (
+            f"the drive matches the model with opposite sign (gravity x {gravity:.3g}, inertia x "
+            f"{inertia:.3g})"
+        )
+        raise LogError(_wrong_sign(prepared, prepared.names, why))
     # in one direction a bias or an error of gravity looks like friction of either sign
     logs = [(prepared.names, balance, _both_ways(balance))]
     if len(prepared) > 1:
@@ -162,7 +162,8 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load) -> None:
         # sign is considered only if the right signs leave much of it.
         wrong = turned and power < -SURE * error and free < 0.8
         if wrong and _left(part, prepared.gain_unknown) > 0.3:
-            raise LogError(friction_drives(prepared, name, -power / error))
+            why = f"friction would drive the joint ({-power / error:.0f} standard errors)"
+            raise LogError(_wrong_sign(prepared, name, why))
 
 
 def _check_drive_changes(prepared: Prepared) -> None:
@@ -283,3 +284,65 @@ def _errors(X: Array, residual: Array, block: Index) -> Array:
 
 def _solved(X: Array, y: Array) -> Array:
     return np.asarray(np.linalg.lstsq(X, y, rcond=1e-6)[0])
+
+
+class _Columns(NamedTuple):
+    """Names and units of the columns of the position and of the drive; `what` is the drive, or the
+    target if a controller computes the drive, and `rest` are further checks for the message."""
+
+    position: str
+    position_unit: str
+    drive: str
+    drive_unit: str
+    what: str
+    rest: str = ""
+
+
+def _wrong_sign(prepared: Prepared, name: str, why: str) -> str:
+    c = _columns(prepared)
+    wrong = "wrong sign, gain or feed_forward" if prepared.commanded else "wrong sign"
+    exchanged = f", that the two are not exchanged{c.rest}" if prepared.commanded else ""
+    return (
+        f"{name}: {wrong} of position or {c.what}: {why}: check the signs of {c.position} and "
+        f"{c.drive}, both positive along the joint's axis in the MJCF{exchanged}, and their clocks"
+    )
+
+
+def _too_large(prepared: Prepared, factor: float) -> str:
+    """Message: the torque is this many times the load of the model, in gravity and in inertia."""
+    c = _columns(prepared)
+    torque, check = f"measured {c.what}", f"the unit of {c.drive} (N mm, mN m, N cm?)"
+    if prepared.commanded:
+        torque, check = "torque of the controller", "its gains (per rad, not per degree?)"
+    return (
+        f"{prepared.names}: the {torque} is {factor:.3g} times the load of the model: check "
+        f"{check} and the masses in the MJCF"
+    )
+
+
+def _unexplained(prepared: Prepared, left: float, hint: str) -> str:
+    """Message: the model leaves too large a fraction of the drive's rms unexplained; the hint is
+    the ratio of the torque to the model's load, as text."""
+    c = _columns(prepared)
+    units = f"the units of {c.position} ({c.position_unit}) and {c.drive} ({c.drive_unit})"
+    return (
+        f"{prepared.names}: the residual is {left:.3g} times the {prepared.drive}{hint}: check "
+        f"{units}{c.rest}, their signs, their clock, the masses in the MJCF, and that they are of "
+        f"joint {prepared.joint!r} of the MJCF"
+    )
+
+
+def _columns(prepared: Prepared) -> _Columns:
+    """Our names of the columns, as this log has them."""
+    position = ("position_m", "m") if prepared.slide else ("position_rad", "rad, not degrees")
+    if prepared.commanded:
+        target, per = ("target_m", "m") if prepared.slide else ("target_rad", "rad")
+        gains = f", the controller's gains (per {per}) and feed_forward"
+        return _Columns(*position, target, position[1], "target", gains)
+    if prepared.drive in _MEASURED:
+        drive = _MEASURED[prepared.drive], "on one clock with the position"
+    elif prepared.slide:
+        drive = "force_n", "N"
+    else:
+        drive = "torque_nm", "N m at the joint, not kN m, mN m or at the motor"
+    return _Columns(*position, *drive, prepared.drive)

@@ -6,7 +6,7 @@ of tendons between joints, whose level may vary along a shaft, stays in the mode
 load, except while the tendon stands still, when its torque is unknown.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,14 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.errors import ModelError
-from frictionjoint.identify.earlier_friction import before_friction
+from frictionjoint.errors import ModelError, few
 from frictionjoint.identify.fixed_joints import Pose, joint_label, resolve, take_pose
 from frictionjoint.measured.arguments import expect
 from frictionjoint.model_files import ONE_DOF, compile_model, read_spec
+from frictionjoint.model_text import model_text
 from frictionjoint.simulate.block import blocks
 from frictionjoint.simulate.native_friction import native_friction
 from frictionjoint.simulate.shaft_wave import wave_blocks, wave_level
+from frictionjoint.simulate.uninstall import carrying, take_out
 
 # part of a tendon's top speed over which its friction turns over
 TURNS = 0.01
@@ -271,3 +272,26 @@ def _across(axis: Array) -> tuple[Array, Array]:
     e1 = np.cross(axis, helper)
     e1 /= np.linalg.norm(e1)
     return e1, np.cross(axis, e1)
+
+
+def before_friction(
+    model: str | Path, joints: Collection[str]
+) -> tuple[str | Path, tuple[str, ...]]:
+    """A model, the path or text of an MJCF or URDF, without friction of this package at some
+    joints, to identify it again: itself if there is none, else the text of an MJCF; and the joints
+    that had friction. ModelError: the model does not compile, or a block is damaged."""
+    spec = read_spec(model)
+    there = [name for name in carrying(spec) if name in joints]
+    if not there:
+        return model, ()
+    take_out(spec, there)
+    return model_text(spec, model), tuple(there)
+
+
+def ignored_note(joints: Sequence[str]) -> str:
+    """Sentence of the report on removed friction."""
+    which = "joint" if len(joints) == 1 else "joints"
+    return (
+        f"The model contains friction at {which} {few(joints)} from an earlier run: it is ignored "
+        "here and identified again."
+    )

@@ -5,7 +5,7 @@ Everything but the shapes is linear, so the shapes are searched and the rest is 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -17,7 +17,6 @@ from frictionjoint.effects.signals import MOTOR, Q
 from frictionjoint.identify.design import Balance, coefficient_bounds, reaches, solve
 from frictionjoint.identify.fit import Fit, implied_share
 from frictionjoint.identify.layout import layout_of
-from frictionjoint.identify.pattern_search import pattern_search
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
@@ -368,3 +367,28 @@ class Search:
             holding=self._holding(terms, X, beta),
             commanded=self.prepared.commanded,
         )
+
+
+def pattern_search(
+    squares: Callable[[Array], float], x: Array, axes: Sequence[int], low: Array, high: Array
+) -> Array:
+    """A point within bounds from which no step along these axes reduces the sum of squares.
+
+    The sum of squares over the width of a gap, or over a threshold, is a valley with a rough floor:
+    an impact shifts by a sample, a sample crosses the threshold. A gradient search stops at the
+    first local minimum; steps longer than the roughness do not (Kolda, Lewis, Torczon 2003).
+    """
+    x, least, step = x.copy(), squares(x), 0.16
+    while step > 0.002:
+        moved = False
+        for k in axes:
+            for factor in (1.0 + step, 1.0 / (1.0 + step)):
+                there = x.copy()
+                there[k] = np.clip(x[k] * factor, low[k], high[k])
+                found = squares(there)
+                if found < least:
+                    x, least, moved = there, found, True
+                    break
+        if not moved:
+            step *= 0.5
+    return x

@@ -1,4 +1,4 @@
-"""Derivatives of a fitted model's torque by its parameters, along any motion."""
+"""Torque of a fitted model along any motion, and its derivatives by the parameters."""
 
 from dataclasses import replace
 
@@ -6,12 +6,20 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from frictionjoint.arrays import Array
-from frictionjoint.effects.signals import MOTOR, TIME
-from frictionjoint.identify.design import Balance
+from frictionjoint.effects.signals import LOAD, MOTOR, TIME, H, V
+from frictionjoint.identify.design import Balance, with_track
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.law_signals import full_signals
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import delay_of
+
+
+def full_signals(prepared: Prepared, shape: Shape, Fc: float, sigma2: float) -> list[Array]:
+    """Signals of each log with H, RATE and MOTOR, the rigid body's torque plus friction, N m."""
+    found = list(with_track(prepared.whole.tracks.along(shape), prepared.whole))
+    for signals in found:
+        signals[:, MOTOR] = signals[:, LOAD] + Fc * signals[:, H] + sigma2 * signals[:, V]
+    return found
 
 
 def driven(prepared: Prepared, fitted: Fit) -> Prepared:

@@ -27,10 +27,10 @@ from frictionjoint.evaluation.model import EvaluatedModel
 from frictionjoint.evaluation.recording import Recording
 from frictionjoint.evaluation.torque import torque_along
 from frictionjoint.files import joint_friction
-from frictionjoint.identify.earlier_friction import before_friction
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.motion import grid_steps
 from frictionjoint.identify.noise import clear_of
+from frictionjoint.identify.rigid_body import before_friction
 from frictionjoint.identify.segment import A_BALANCE
 from frictionjoint.identify.weights import STICKING_ERROR
 from frictionjoint.joint_friction import JointFriction

@@ -3,10 +3,8 @@
 The torque balance finds and names effects in seconds; a user needs correct motion.
 
 ``vector``    the numbers of a fitted model as one vector, with its prior
-``motion``    simulated motion of logs, in windows or whole
-``objective`` the residual: errors of that motion, and the prior
-``secant``    its derivatives, by differences and by the steps of a search
+``objective`` the residual: errors of simulated motion, in windows or whole, and the prior
 ``guard``     errors on left-out kinds of logs
 ``tried``     the least squares, and the evidence for their result
-``refine``    whether their result is used
+``refine``    whether their result is used, and as the report states it
 """

@@ -25,9 +25,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.rounding import EQUAL
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.refine.motion import errors
-from frictionjoint.refine.objective import MOST_STEPS, Objective
-from frictionjoint.refine.secant import Secant, differences
+from frictionjoint.refine.objective import MOST_STEPS, Objective, Secant, differences, errors
 from frictionjoint.replay.closed_loop import Course
 
 Mask = NDArray[np.bool_]

@@ -21,8 +21,7 @@ from frictionjoint.refine.guard import (
     uncertain,
     without_each,
 )
-from frictionjoint.refine.objective import MOST_STEPS, Objective
-from frictionjoint.refine.secant import Secant
+from frictionjoint.refine.objective import MOST_STEPS, Objective, Secant
 from frictionjoint.refine.vector import Vector
 from frictionjoint.replay.closed_loop import Course
 

@@ -5,7 +5,7 @@ used, as in a user's simulation.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,9 +21,9 @@ from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
 from frictionjoint.identify.commanded import Change
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.joint_load import load_of
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.terms import EffectTerm, changing_drive, drive_changes
 from frictionjoint.identify.terms import delay_of as late_by
@@ -31,8 +31,11 @@ from frictionjoint.measured.derivatives import differentiate, first_velocity, fo
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.free_runs import Replay, motor_of, simulated_effects
 from frictionjoint.replay.windows import LONGEST_STEP
+from frictionjoint.simulate import one_joint
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
 
+# positions at which a load is evaluated: three determine its mean and its first harmonic
+_TURNS = (0.0, 2.0 * np.pi / 3.0, -2.0 * np.pi / 3.0)
 # of a step, by which a number of steps may be off a whole one
 _WHOLE = 1e-6
 
@@ -115,14 +118,13 @@ def courses_of(
     Raises:
         LogError: a log has no target, or lacks metadata that the controller needs.
     """
-    loads = list({id(body): body for body in bodies})
     found = []
     for log, body in zip(logs, bodies, strict=True):
         if log.target is None:
             raise LogError(f"{log.name}: no target to follow, add target_rad")
         block, delay = block_of(controller, log), delay_of(controller)
         supply = supply_of(controller, log)
-        found.append(_course(log, body, log.target, supply, block, delay, loads.index(id(body))))
+        found.append(_course(log, body, log.target, supply, block, delay, bodies.index(body)))
     return tuple(found)
 
 
@@ -135,13 +137,11 @@ def driven_courses(
         bodies: one per log. prepared: the logs, in this order, with the samples that count.
         window_s: s between restarts from the measured motion.
     """
-    loads = list({id(body): body for body in bodies})
-    block = np.zeros(BLOCK)
+    block, found = np.zeros(BLOCK), []
     block[MEASURED] = 1.0
-    found = []
     for log, body, segment in zip(logs, bodies, prepared.segments, strict=True):
         drive, supply = getattr(log, prepared.drive), np.ones_like(log.time)
-        course = _course(log, body, drive, supply, block, 0.0, loads.index(id(body)))
+        course = _course(log, body, drive, supply, block, 0.0, bodies.index(body))
         since = log.time - log.time[0]
         inside = np.interp(since, segment.signals[:, TIME], segment.mask.astype(float)) == 1.0
         window = (since / window_s).astype(int)
@@ -191,7 +191,7 @@ def _course(
             supply=held(log.time, supply, time),
             on=on,
             start=(float(log.position[0]), start),
-            load=_load(body, velocity, others),
+            load=load_of(body, velocity, others),
             block=block,
             temperature=(
                 None if log.temperature is None else np.interp(time, log.time, log.temperature)
@@ -215,16 +215,41 @@ def _step(duration: float, period: float) -> float:
     return period * math.floor(LONGEST_STEP / period + _WHOLE)
 
 
-def _load(body: RigidBody, velocity: Array, others: dict[str, tuple[Array, Array, Array]]) -> Load:
-    """Load at each step. With other joints, whose motion is smooth, it is interpolated."""
-    # every fourth step: the motion of other joints is smooth
+def load_of(
+    body: RigidBody, velocity: Array, others: Mapping[str, tuple[Array, Array, Array]]
+) -> Load:
+    """Load of a joint at each step with a velocity, shape (n,), along the motion of other joints,
+    their positions, velocities and accelerations by name; the same at all steps without them."""
+    # every fourth step, and interpolated: the motion of other joints is smooth
     at = np.arange(0, len(velocity), 4)
-    coarse = {name: (x[at], v[at], a[at]) for name, (x, v, a) in others.items()}
-    load = load_of(body, velocity[at], coarse)
-    if load.numbers.shape[1] == 1:
-        return load
-    steps = np.arange(len(velocity))
-    return replace(load, numbers=np.array([np.interp(steps, at, row) for row in load.numbers]))
+    coarse = {name: (q[at], v[at], a[at]) for name, (q, v, a) in others.items()}
+    v = velocity[at] if others else np.zeros(1)
+    none, one = np.zeros(len(v)), np.ones(len(v))
+    j = body.joint_id
+    stiffness = float(np.ravel(body.model.jnt_stiffness[j])[0])
+    rest = float(body.model.qpos_spring[body.model.jnt_qposadr[j]])
+    found = np.zeros((one_joint.ROWS, len(v)))
+    turns = _TURNS if not body.slide else (0.0,)
+    torques = [body.torque(np.full(len(v), q), v, none, coarse) for q in turns]
+    found[one_joint.INERTIA] = body.torque(none, v, one, coarse).load - torques[0].load
+    loads = [x.load - stiffness * (q - rest) for x, q in zip(torques, turns, strict=True)]
+    if body.slide:
+        found[one_joint.REST] = loads[0]
+    else:
+        rows = one_joint.REST, one_joint.COS, one_joint.SIN
+        found[list(rows)] = _harmonic(loads)
+        found[one_joint.GX : one_joint.GX + 3] = _harmonic([x.gx for x in torques])
+        found[one_joint.GY : one_joint.GY + 3] = _harmonic([x.gy for x in torques])
+    if len(v) > 1:
+        found = np.array([np.interp(np.arange(len(velocity)), at, row) for row in found])
+    return Load(found, body.armature, stiffness, rest)
+
+
+def _harmonic(x: list[Array]) -> Array:
+    """Mean, cosine and sine of a quantity known at `_TURNS`, shape (3, n)."""
+    cosine = sum(2.0 / 3.0 * math.cos(q) * y for q, y in zip(_TURNS, x, strict=True))
+    sine = sum(2.0 / 3.0 * math.sin(q) * y for q, y in zip(_TURNS, x, strict=True))
+    return np.array([(x[0] + x[1] + x[2]) / 3.0, cosine, sine])
 
 
 def joint_model(fitted: Fit) -> JointModel:
@@ -268,3 +293,55 @@ def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Contr
                 found[name] *= float(fitted.gain)
         found["kp"] = float(fitted.gain) / controller.gain_unit
     return replace(controller, **found)
+
+
+@dataclass(frozen=True)
+class LoopErrors:
+    """Errors of whole logs in closed loop, fitted and held out."""
+
+    fit: ClosedLoop | None
+    held_out: ClosedLoop | None
+
+    @property
+    def mae(self) -> Rms:
+        """Mean absolute position errors, rad (m)."""
+        return Rms(*(None if x is None else x.mae for x in (self.fit, self.held_out)))
+
+    @property
+    def rms(self) -> Rms:
+        """Roots of the mean square."""
+        return Rms(*(None if x is None else x.rms for x in (self.fit, self.held_out)))
+
+    def figures(self) -> dict[str, Rms]:
+        """Both errors by their keys in report.json."""
+        return {"closed_loop_mae": self.mae, "closed_loop_rms": self.rms}
+
+    @property
+    def replays(self) -> "tuple[Replay, Replay | None]":
+        """Fitted and held-out logs as free runs, one run per log."""
+        assert self.fit is not None
+        return self.fit.replay, self.held_out.replay if self.held_out else None
+
+
+@dataclass(frozen=True)
+class Loops:
+    """Fitted and held-out logs prepared for simulation."""
+
+    fit: tuple[Course, ...]
+    held_out: tuple[Course, ...]
+
+    @classmethod
+    def of(
+        cls, pairs: Sequence[tuple[Sequence[JointLog], Sequence[RigidBody]]], controller: Controller
+    ) -> "Loops | None":
+        """From logs and their bodies; None if a log has no target."""
+        if any(log.target is None for logs, _ in pairs for log in logs):
+            return None
+        return cls(*(courses_of(logs, bodies, controller) for logs, bodies in pairs))
+
+    def errors(self, fits: Sequence[Fit]) -> tuple[LoopErrors, ...]:
+        """Errors of each model."""
+        return tuple(
+            LoopErrors(*(closed_loop(c, f) if c else None for c in (self.fit, self.held_out)))
+            for f in fits
+        )

@@ -16,8 +16,8 @@ from frictionjoint.identify.rms import Rms
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.parameters import Friction
 from frictionjoint.refine.posterior import Posterior
-from frictionjoint.refine.refined_model import RefinedModel
-from frictionjoint.replay.loops import LoopErrors
+from frictionjoint.refine.refine import RefinedModel
+from frictionjoint.replay.closed_loop import LoopErrors
 from frictionjoint.report.entries import (
     Added,
     Curve,

@@ -14,9 +14,9 @@ from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.trace import INTEGRATED_LAW
 from frictionjoint.errors import FrictionJointError, LogError
 from frictionjoint.identify.bodies import Bodies
-from frictionjoint.identify.earlier_friction import before_friction, ignored_note
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.result import Estimate
+from frictionjoint.identify.rigid_body import before_friction, ignored_note
 from frictionjoint.identify.rival_shape import forms_of
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared, Segment

@@ -28,8 +28,8 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.start import predict, settled
 from frictionjoint.measured.log import JointLog
+from frictionjoint.replay.closed_loop import LoopErrors, Loops
 from frictionjoint.replay.free_runs import replay, replay_rms
-from frictionjoint.replay.loops import LoopErrors, Loops
 from frictionjoint.report.entries import Interval
 from frictionjoint.robot.corrected_torque import Along
 from frictionjoint.robot.corrections import Corrections
