@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from frictionjoint.arrays import root_mean_square
-from frictionjoint.decisions import CLEARLY, SMALLEST_GAIN, SURELY
+from frictionjoint.decisions import SMALLEST_GAIN, SURELY
 from frictionjoint.effects.signals import GEAR, A, V
 from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
@@ -48,7 +48,7 @@ def with_assumed_level(prepared: Prepared, fitted: Fit) -> tuple[Prepared, Fit]:
     for part in (0.5, 0.25, 0.12, 0.06, 0.03):
         bounded = replace(prepared, least_level=part * by_load)
         found = refit(bounded, fitted.terms, fitted.shape, ROUGH)
-        if _allowed(found, fitted):
+        if not fitted.clearly_better(found):
             return bounded, found
     return prepared, fitted
 
@@ -75,7 +75,7 @@ def with_assumed_stiffness(prepared: Prepared, fitted: Fit) -> Fit:
     for length in dict.fromkeys(max(part * reach, own) for part in (1.0, 0.1, 0.01, 0.0)):
         shape = fitted.shape.with_assumed_stiffness(length)
         found = refit(prepared, fitted.effects, shape, ROUGH)
-        if _allowed(found, fitted):
+        if not fitted.clearly_better(found):
             return found
     return fitted
 
@@ -104,7 +104,7 @@ def with_steep_start(prepared: Prepared, fitted: Fit) -> Fit:
     # a search could end in another minimum, where friction is viscous instead
     search = Search(prepared, fitted.terms, replace(shape, steep_start=True))
     found = search.result(search.start)
-    return found if _allowed(found, fitted) else fitted
+    return fitted if fitted.clearly_better(found) else found
 
 
 def with_assumed_breakaway(prepared: Prepared, fitted: Fit) -> Fit:
@@ -124,18 +124,13 @@ def with_assumed_breakaway(prepared: Prepared, fitted: Fit) -> Fit:
     found, refused = fitted, []
     for excess in (*(x for x in (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0) if x < most), most):
         tried = refit(prepared, fitted.effects, shape.with_assumed_breakaway(excess), ROUGH)
-        if _allowed(tried, fitted):
+        if not fitted.clearly_better(tried):
             if excess <= 1.0:
                 return tried
             found = tried
             break
         refused.append(tried)
     return next((x for x in refused if _by_chance(prepared, x, fitted)), found)
-
-
-def _allowed(found: Fit, fitted: Fit) -> bool:
-    """Whether the residual with an assumption is not clearly larger than without."""
-    return found.drive_rms <= fitted.drive_rms / (1.0 - CLEARLY)
 
 
 def _by_chance(prepared: Prepared, found: Fit, fitted: Fit) -> bool:

@@ -1,10 +1,13 @@
 """Concatenated logs, so that each kernel is called once for all logs.
 
-For a short log, a call takes longer than the computation and blocks other threads.
+For a short log, a call takes longer than the computation and blocks other threads. Of a
+reconstructed drive the logs contain the commands: an effect of the drive (a dead band, a lower
+limit) changes the drive itself, so a fit computes the output of the changed controller.
 """
 
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import Lock
 from typing import TYPE_CHECKING, Any
@@ -13,11 +16,66 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionjoint.arrays import Array
-from frictionjoint.control.reconstruct import AllCommands
+from frictionjoint.control.kernel import KD
+from frictionjoint.control.reconstruct import AllCommands, Commands
 from frictionjoint.effects.signals import LOAD, A, V
-from frictionjoint.identify.commanded import Change, CommandedLogs, Output
 from frictionjoint.identify.tracks import Tracks
-from frictionjoint.measured.lowpass import LowPasses, Spectrum, places
+from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, places
+
+# from block and delay of a controller to those of another one
+Change = Callable[[Array, float], tuple[Array, float]]
+# an output of several controllers, given their blocks and delays
+Output = Callable[[AllCommands, Array, Array], Array]
+
+
+@dataclass(frozen=True)
+class Commanded:
+    """Commands of a log, and the filters that lead to its drive on the uniform grid of a fit, s."""
+
+    commands: Commands
+    grid: Array
+    filters: tuple[LowPass, ...]
+
+    @property
+    def damped(self) -> bool:
+        """Whether the controller damps the joint."""
+        return bool(self.commands.block[KD])
+
+    def thinned(self, smooth: LowPass) -> "Commanded":
+        """The commands on a coarser grid, after one more filter."""
+        return replace(self, filters=(*self.filters, smooth))
+
+
+class CommandedLogs:
+    """Commands of several logs, concatenated: one call computes all drives, in which `places` are
+    the slices of the logs."""
+
+    def __init__(self, logs: Sequence[Commanded]) -> None:
+        self._logs = [log.commands for log in logs]
+        self._commands = AllCommands(self._logs)
+        self._grids = [log.grid for log in logs]
+        stages = zip(*(log.filters for log in logs), strict=True)
+        self._filters = [LowPasses(filters) for filters in stages]
+        self.places = places([log.filters[-1].given for log in logs])
+
+    def output(self, of: Output, changes: Sequence[Change]) -> Array:
+        """An output of the controllers of all logs after some changes, on the grids of the fit and
+        filtered, shape (n,)."""
+        blocks, delays = [], []
+        for log in self._logs:
+            block, delay = log.block.copy(), log.delay
+            for change in changes:
+                block, delay = change(block, delay)
+            blocks.append(block)
+            delays.append(delay)
+        made = of(self._commands, np.array(blocks), np.array(delays))
+        parts = np.split(made, self._commands.edges[1:-1])
+        each = zip(self._grids, self._logs, parts, strict=True)
+        rows = np.concatenate([np.interp(grid, log.time, x) for grid, log, x in each])[None]
+        for smooth in self._filters:
+            rows = smooth(rows)
+        return np.asarray(rows[0])
+
 
 if TYPE_CHECKING:  # a prepared log bundles what it is made of
     from frictionjoint.identify.segment import Segment

@@ -60,7 +60,6 @@ class ConstraintShape(Shape):
 
     @property
     def breakaway_assumed(self) -> bool:
-        """See `Shape`."""
         return self.static.breakaway_assumed
 
     @property
@@ -75,11 +74,9 @@ class ConstraintShape(Shape):
         return self.lead < _LEADS[0] + margin or self.lead > _LEADS[1] - margin
 
     def vector(self) -> Array:
-        """The numbers of the static law, then the logarithm of the lead."""
         return np.append(self.static.vector(), np.log(self.lead))
 
     def moved(self, x: Array) -> Self:
-        """The same law with other numbers, in the order of `vector`."""
         return replace(self, static=self.static.moved(x[:-1]), lead=float(np.exp(x[-1])))
 
     def bounds(self, vmax: float, span: float) -> tuple[Array, Array]:
@@ -96,7 +93,6 @@ class ConstraintShape(Shape):
         return replace(self, reach=reach)
 
     def with_assumed_breakaway(self, excess: float) -> Self:
-        """The shape with Fs = (1 + excess) Fc, not searched."""
         return replace(self, static=self.static.with_assumed_breakaway(excess))
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:

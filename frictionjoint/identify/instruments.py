@@ -28,7 +28,6 @@ class ExcessTerm(TunedTerm):
     bounds = ((1.0 - _ABOUT, 1.0 + _ABOUT),)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
         torque = segment.drive[:, None]
         return np.asarray(torque - np.clip(torque, -self.at, self.at))
 
@@ -52,7 +51,6 @@ class ExcessTerm(TunedTerm):
         return noise < _ABOUT * squares and pressing < 0.5 * squares
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """The level, and the fraction that was not delivered, in a sentence."""
         whole = coefficients[0] >= 1.0 - 0.5 * _ABOUT
         missing = "all of it" if whole else f"{coefficients[0]:.0%}"
         return (
@@ -84,12 +82,10 @@ class MissingTerm(SmoothTerm):
     bounds = ((-np.inf, 0.0),)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
         where = segment.saturated
         return np.zeros((len(signals), 1)) if where is None else where[:, None]
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """The missing torque, in a sentence."""
         return (
             f"Where the logged torque is at its largest value, {-coefficients[0]:.2g} {unit} more "
             "acted on average: the sensor or the recorder saturates. The final fit ignores these "
@@ -113,7 +109,6 @@ class EncoderTerm(SmoothTerm):
     coefficients = ("sin", "cos")
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
         N, v = self.order, signals[:, [V]]
         angle = N * signals[:, [Q]]
         wave = np.hstack([np.sin(angle), np.cos(angle)])
@@ -125,7 +120,6 @@ class EncoderTerm(SmoothTerm):
         return np.asarray(along)
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """Amplitude of the position error, in a sentence."""
         return (
             f"The logged position seems off by up to {np.hypot(*coefficients):.2g} rad, "
             f"{self.order:g} per turn: check whether the encoder or the shaft is off its centre."

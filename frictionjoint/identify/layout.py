@@ -53,6 +53,12 @@ class Layout:
         first = len(self.law) + sum(_free(t) for t in self.terms[:i])
         return slice(first, first + _free(self.terms[i]))
 
+    def moved_terms(self, x: Array) -> tuple[Term, ...]:
+        """The terms at other nonlinear numbers of the model, shape (k,)."""
+        numbers = [tuple(x[self.searched(i)].tolist()) for i in range(len(self.terms))]
+        pairs = zip(self.terms, numbers, strict=True)
+        return tuple(term.with_shape(own) if own else term for term, own in pairs)
+
     def of_term(self, i: int) -> list[int]:
         """Indices of all parameters of term i."""
         whole = range(len(self.names))

@@ -5,7 +5,7 @@ the examined joint, it must be given: a guess would appear as friction.
 """
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import mujoco
@@ -159,14 +159,15 @@ def _check_joints(log: JointLog, body: RigidBody) -> list[str]:
 def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
     """Indices of joints with unknown positions on which the torque along a log depends."""
     model = body.model
-    known = {*body.poses, body.joint_id, *(model.joint(n).id for n in _of(log, body))}
+    logged = sorted(set(log.other_positions) & body.joint_names)
+    known = {*body.poses, body.joint_id, *(model.joint(name).id for name in logged)}
     open_ones = [j for j in range(model.njnt) if j not in known]
     if not open_ones:
         return []
     motion = differentiate(log)
     k = np.linspace(0, len(motion.time) - 1, 12).astype(int)
     qpos, qvel, qacc = (np.tile(x, (len(k), 1)) for x in (model.qpos0, *np.zeros((2, model.nv))))
-    for name in _of(log, body):
+    for name in logged:
         address = int(model.jnt_qposadr[model.joint(name).id])
         qpos[:, address] = np.interp(motion.time[k], log.time, log.other_positions[name])
     qpos[:, int(model.jnt_qposadr[body.joint_id])] = motion.position[k]
@@ -188,10 +189,6 @@ def _that_matter(log: JointLog, body: RigidBody) -> list[int]:
                 change[j] = max(change[j], root_mean_square(_load(body, moved, qvel, qacc) - load))
     # A pose matters if it changes the load by 1%.
     return [j for j in open_ones if change[j] > 0.01 * size]
-
-
-def _of(log: JointLog, body: RigidBody) -> Iterable[str]:
-    return sorted(set(log.other_positions) & body.joint_names)
 
 
 def _move(model: mujoco.MjModel, j: int, qpos: Array, rng: np.random.Generator) -> None:

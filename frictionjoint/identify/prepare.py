@@ -27,13 +27,12 @@ from frictionjoint.effects.signals import (
     V,
 )
 from frictionjoint.errors import LogError
-from frictionjoint.identify.commanded import Commanded
-from frictionjoint.identify.motion import Motion, motion_of
+from frictionjoint.identify.bundle import Commanded
+from frictionjoint.identify.motion import Motion, holds, motion_of, of_drive
 from frictionjoint.identify.noise import Band, clear_of, count_of, noise_of
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.segment import A_BALANCE, Drive, Prepared, Segment
 from frictionjoint.identify.tracks import path_of
-from frictionjoint.identify.zero_order_hold import holds, of_drive
 from frictionjoint.measured.derivatives import LEAST_HZ, motion_band, on_a_grid
 from frictionjoint.measured.log import JointLog
 from frictionjoint.measured.lowpass import REACH

@@ -63,20 +63,16 @@ class RivalShape(KernelShape):
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """Names of the numbers that are searched for this law."""
         return _VARIABLES[self.law.law][int(self.breakaway_assumed) :]
 
     @property
     def damped(self) -> bool:
-        """Whether the law has a presliding damping of its own."""
         return self.law.law in _DAMPED
 
     def vector(self) -> Array:
-        """The numbers in the order of `variables`, shape (k,)."""
         return np.array(self.numbers[int(self.breakaway_assumed) :])
 
     def moved(self, x: Array) -> Self:
-        """The same law with other numbers, in the order of `variables`."""
         fixed = self.numbers[: int(self.breakaway_assumed)]
         return replace(self, numbers=(*fixed, *x.tolist()))
 
@@ -115,14 +111,12 @@ class RivalShape(KernelShape):
         return [self.moved(numbers + step * moves) for step in steps]
 
     def with_assumed_breakaway(self, excess: float) -> Self:
-        """The shape with Fs = (1 + excess) Fc, not searched."""
         height, log_Vs, delta, *own = self.numbers
         excess, Vs, delta = with_excess((height, float(np.exp(log_Vs)), delta), excess)
         numbers = (excess, float(np.log(Vs)), delta, *own)
         return replace(self, numbers=numbers, breakaway_assumed=True)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> Friction:
-        """The law with a Coulomb level."""
         x = {
             name.removeprefix("log "): float(np.exp(n)) if name.startswith("log ") else n
             for name, n in zip(_VARIABLES[self.law.law], self.numbers, strict=True)
@@ -146,7 +140,6 @@ class RivalShape(KernelShape):
         return found
 
     def block_tangents(self, P: Array) -> Array:
-        """See `KernelShape`."""
         P_t = np.zeros((len(self.numbers), len(P)))
         by = dict(zip(_VARIABLES[self.law.law], P_t, strict=True))
         if "excess" in by:

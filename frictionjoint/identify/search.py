@@ -166,15 +166,11 @@ class Search:
 
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
         """The law and the terms at a point."""
-        terms = []
-        for i, term in enumerate(self.terms):
-            moved = tuple(float(n) for n in x[self.layout.searched(i)])
-            terms.append(term.with_shape(moved) if moved else term)
         numbers = x[: len(self.layout.law)]
         # the law that a search starts from is known along the logs, unlike one that differs from it
         # by rounding
         law = self.law if np.array_equal(numbers, self._at_law) else self.law.moved(numbers)
-        return law, tuple(terms)
+        return law, self.layout.moved_terms(x)
 
     def run(self, x: Array, steps: int, closeness: float) -> Place:
         """Result of some steps from x; finally, discontinuous numbers are also searched in

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array, Index
 from frictionjoint.effects.signals import DT, GEAR, LOAD, Q, V
 from frictionjoint.errors import few
-from frictionjoint.identify.bundle import Bundle, Cache
-from frictionjoint.identify.commanded import Commanded
+from frictionjoint.identify.bundle import Bundle, Cache, Commanded
 from frictionjoint.identify.noise import Band, Noise, clear_of, corner_above_noise
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.tracks import Path, Start, path_of

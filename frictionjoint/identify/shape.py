@@ -23,7 +23,7 @@ from frictionjoint.parameters import Friction, FrictionParameters, Knots, Varian
 
 
 class Shape(Protocol):
-    """A law with Coulomb level 1, as a point of a search."""
+    """A law with Coulomb level 1, searched; implementations say only what is theirs."""
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -103,13 +103,11 @@ class KernelShape(Shape):
         return self.parameters(1.0, 0.0).pack()
 
     def hysteresis(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array]:
-        """See `Shape`."""
         H, rate = np.empty_like(q), np.empty_like(q)
         drive_motions(self._unit_block, time, q, edges, H, rate)
         return H, rate
 
     def tangents(self, time: Array, q: Array, edges: Index) -> tuple[Array, Array, Array, Array]:
-        """See `Shape`."""
         P = self._unit_block
         return driven_with_tangents(P, self.block_tangents(P), time, q, edges)
 
@@ -199,12 +197,10 @@ class IntegratedShape(KernelShape):
         return dict(zip((*_BOTH, *_NEGATIVE), numbers, strict=True))
 
     def vector(self) -> Array:
-        """The numbers in the order of `variables`, shape (k,)."""
         values = self._values()
         return np.array([values[name] for name in self.variables])
 
     def moved(self, x: Array) -> Self:
-        """The same shape with other numbers, in the order of `variables`."""
         values = self._values() | dict(zip(self.variables, x.tolist(), strict=True))
         excess, log_Vs, delta, *logs, excess_negative, log_Vs_negative = values.values()
         end, first, second = np.exp(logs).tolist()
@@ -278,7 +274,6 @@ class IntegratedShape(KernelShape):
         return replace(self, length=reach, stiffness_assumed=True)
 
     def with_assumed_breakaway(self, excess: float) -> Self:
-        """The shape with Fs = (1 + excess) Fc in both directions, not searched."""
         excess, Vs, delta = with_excess((self.excess, self.Vs, self.delta), excess)
         negative = self.negative and with_excess((*self.negative, self.delta), excess)[:2]
         fixed = replace(self, excess=excess, negative=negative, breakaway_assumed=True)
@@ -287,7 +282,6 @@ class IntegratedShape(KernelShape):
         return replace(fixed, Vs=Vs, delta=delta, length=length)
 
     def parameters(self, Fc: float, sigma2: float, sigma1: float = 0.0) -> FrictionParameters:
-        """The law at a Coulomb level."""
         excess, Vs = self.negative or (self.excess, self.Vs)
         Fs_pos, Fs_neg = Fc * (1.0 + self.excess), Fc * (1.0 + excess)
         return FrictionParameters(
@@ -319,7 +313,6 @@ class IntegratedShape(KernelShape):
         return tuple(zip(ends.tolist(), (both * parts).tolist(), strict=True))
 
     def block_tangents(self, P: Array) -> Array:
-        """See `KernelShape`."""
         rows = {name: np.zeros(len(P)) for name in (*_BOTH, *_NEGATIVE)}
         own = slice(1 + integrated.KNOTS + 1, None)
         # knots are z, F, slope; torques and slopes go with Fs of both directions

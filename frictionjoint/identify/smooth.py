@@ -42,7 +42,6 @@ class SmoothTerm(Term):
 
     @property
     def name(self) -> str:
-        """The quantity."""
         return self.variable
 
     def says(self, coefficients: Array, unit: str) -> str:
@@ -77,7 +76,6 @@ class SplineTerm(SmoothTerm):
         return tuple(f"b{i}" for i in range(self.pieces + 2))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
         x = quantity(segment, signals, self.variable)
         out = self._basis(x)
         if self.means:
@@ -129,11 +127,9 @@ class LogTerm(SmoothTerm):
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """One per log."""
         return tuple(f"level_{i}" for i in range(1, len(self.logs)))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
         own = [1.0 if segment.name == name else 0.0 for name in self.logs[1:]]
         level: Array = signals[:, [H]] * np.array(own)
         return level
@@ -148,16 +144,13 @@ class TunedTerm(SmoothTerm):
 
     @property
     def shape(self) -> tuple[float, ...]:
-        """The number."""
         return (self.at,)
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """The range in which the number is tuned."""
         return (self.within,)
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
-        """The term with another shape number."""
         return replace(self, at=shape[0])
 
 
@@ -170,18 +163,15 @@ class WaveTerm(TunedTerm):
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Two per log."""
         return tuple(f"{c}_{i}" for i in range(len(self.logs)) for c in ("sin", "cos"))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
         angle = 2.0 * np.pi * self.at * signals[:, [TIME]]
         wave = np.hstack([np.sin(angle), np.cos(angle)])
         own = [1.0 if segment.name == name else 0.0 for name in self.logs]
         return np.hstack([wave * x for x in own])
 
     def says(self, coefficients: Array, unit: str) -> str:
-        """Size and frequency of the wave, in a sentence."""
         size = float(np.hypot(coefficients[::2], coefficients[1::2]).max())
         torque = f"A torque of up to {size:.2g} {unit} comes and goes at {self.at:.3g} Hz"
         # a wave that follows time this well may come from the motion
@@ -206,7 +196,6 @@ class HysteresisTerm(SmoothTerm):
         return tuple(f"level_{i}" for i in range(len(self.reaches)))
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
         return elastic_plastic(signals[:, Q], np.array(self.reaches))
 
     def says(self, coefficients: Array, unit: str) -> str:

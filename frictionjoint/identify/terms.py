@@ -12,14 +12,17 @@ from frictionjoint.control.reconstruct import AllCommands
 from frictionjoint.effects.effect import NOTHING, Effect
 from frictionjoint.effects.kernel import torques
 from frictionjoint.effects.signals import GEAR, SAG, SWAY
-from frictionjoint.identify.commanded import Change, CommandedLogs
+from frictionjoint.identify.bundle import Change, CommandedLogs
 from frictionjoint.identify.segment import Prepared, Segment
 
 _T = TypeVar("_T")
 
 
 class Term(Protocol):
-    """Interface of a term for a fit; the defaults are those of a term without shape numbers."""
+    """Interface of a term for a fit; the defaults are those of a term without shape numbers.
+
+    Implementations say only what is theirs.
+    """
 
     @property
     def name(self) -> str:
@@ -105,12 +108,10 @@ class EffectTerm(Term):
 
     @property
     def name(self) -> str:
-        """Canonical name."""
         return self.effect.name
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Names of the linear coefficients."""
         return self.effect.coefficients
 
     @property
@@ -120,7 +121,6 @@ class EffectTerm(Term):
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Bounds of these numbers."""
         fixed = self.effect.shape_fixed
         found = self.effect.shape_bounds[fixed:] or ((-np.inf, np.inf),) * len(self.shape[fixed:])
         return (*found, *[SHARES] * self.part_searched)
@@ -139,11 +139,9 @@ class EffectTerm(Term):
 
     @property
     def delay(self) -> float:
-        """Time by which the drive is logged early, s."""
         return self.shape[0] if self.effect.delays else 0.0
 
     def columns(self, segment: Segment, signals: Array) -> Array:
-        """See `Term`."""
         return self._torques(segment, signals, np.eye(len(self.coefficients)))
 
     def torque(self, segment: Segment, signals: Array, coefficients: Array) -> Array:
@@ -178,12 +176,10 @@ class DriveTerm(EffectTerm):
     changes_drive = True
 
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
-        """A controller's block and delay as changed by the effect."""
         assert self.effect.drive is not None
         return self.effect.drive(block, delay, self.shape)
 
     def figures(self, controller: Controller) -> dict[str, Any]:
-        """Changes of a controller file that the effect corresponds to."""
         assert self.effect.controller is not None
         return self.effect.controller(controller, self.shape)
 

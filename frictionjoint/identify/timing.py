@@ -35,12 +35,10 @@ class Timing(Term):
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Range of the offset, s."""
         first, last = self.within
         return ((first * self.sample, last * self.sample),)
 
     def with_shape(self, shape: tuple[float, ...]) -> Self:
-        """The offset with another time."""
         return replace(self, shape=shape)
 
     def columns(self, segment: Segment, signals: Array) -> Array:
@@ -56,7 +54,6 @@ class DriveTiming(Timing):
 
     @property
     def delay(self) -> float:
-        """The offset of the drive, s."""
         return self.shape[0]
 
 
@@ -77,7 +74,6 @@ class TargetTiming(Timing):
         return any(self.shape)
 
     def change(self, block: Array, delay: float) -> tuple[Array, float]:
-        """The controller with its delay changed by the offset."""
         return block, delay + self.shape[0]
 
     def figures(self, controller: Controller) -> dict[str, Any]:

@@ -184,9 +184,6 @@ class Vector:
         gain = float(np.exp(x[0])) if k else f.gain
         n = self.layout.linear.stop
         beta = np.concatenate([[1.0] * k, x[k:n]]) / gain
-        at = self.layout.shape
-        terms = []
-        for i, term in enumerate(f.terms):
-            moved = tuple(float(v) for v in x[self.layout.numbers(i)])
-            terms.append(term.with_shape(moved) if moved else term)
-        return replace(f, shape=f.shape.moved(x[at]), terms=tuple(terms), beta=beta, gain=gain)
+        terms = replace(self.layout, terms=f.terms).moved_terms(x[n:])
+        shape = f.shape.moved(x[self.layout.shape])
+        return replace(f, shape=shape, terms=terms, beta=beta, gain=gain)

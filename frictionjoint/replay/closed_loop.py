@@ -19,7 +19,7 @@ from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.profile import held, held_over
 from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
-from frictionjoint.identify.commanded import Change
+from frictionjoint.identify.bundle import Change
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody

@@ -50,15 +50,13 @@ class Windows:
             time = np.arange(
                 0.0, min(float(s.signals[-1, TIME]) for s in segments.values()), self._dt
             )
-        columns = [_resampled(s, time) for s in segments.values()]
-        self._q, self._v, self._a, self._drive, on, mask = np.stack(columns, axis=-1)
+        columns = np.stack([_resampled(s, time) for s in segments.values()], axis=-1)
+        self._q, self._v, self._a, temperature, self._drive, on, mask = columns
+        self._temperature = dict(zip(segments, temperature.T, strict=True))
         self._driven, self._mask = on > 0.5, np.all(mask > 0.999, axis=1)
         self._motors = [(k, m) for k, n in enumerate(segments) if (m := motors[n])]
         self._joints = [model.joint(name).id for name in segments]
         self._links = [j for name in segments if (j := deflection(model, name)) >= 0]
-        self._temperature = {
-            n: np.interp(time, s.signals[:, TIME], s.signals[:, TEMP]) for n, s in segments.items()
-        }
         grid, others = first.signals[:, TIME], first.others
         kinds = ("position", "velocity", "acceleration")
         self._others = {
@@ -145,8 +143,9 @@ class Windows:
 
 
 def _resampled(s: Segment, time: Array) -> Array:
-    """Position, velocity, acceleration, drive, whether it acts, and mask at times, (6, n)."""
-    columns = (*(s.signals[:, k] for k in (Q, V, A)), s.drive, s.driven, s.mask)
+    """Position, velocity, acceleration, temperature, drive, whether it acts, and mask at times,
+    shape (7, n)."""
+    columns = (*(s.signals[:, k] for k in (Q, V, A, TEMP)), s.drive, s.driven, s.mask)
     return np.array([np.interp(time, s.signals[:, TIME], x.astype(float)) for x in columns])
 
 

@@ -35,7 +35,6 @@ from frictionjoint.effects.gear import free_swing
 from frictionjoint.effects.kernel import columns, torques
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, A, H, Q, V
 from frictionjoint.identify.blocks import gram_matrices
-from frictionjoint.identify.commanded import _fill_uniform
 from frictionjoint.identify.constraint_shape import gradient
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.identify.tracks import fill_grid, path_of
@@ -174,8 +173,6 @@ def along_logs(rng: np.random.Generator) -> None:
     path = path_of(rows, 0.0)
     fill_grid(path.time[None], path.samples, path.averaged, np.empty((1, SAMPLES)))
     gram_matrices(rng.normal(size=(4, SAMPLES)), np.array([0, 2, 3]), edges, np.empty((2, 3, 3)))
-    grid = np.linspace(t[0] - 1e-3, t[-1] + 1e-3, 50)
-    _fill_uniform(t, q, np.array([0, SAMPLES]), grid, np.array([0, 50]), np.empty(50))
     for _ in range(200):
         r, n = rng.uniform(-1.5, 1.5), rng.choice([1.0, 2.0, 3.0, 4.0, rng.uniform(1.0, 9.0)])
         a = 10 ** rng.uniform(-4, 1)
