@@ -30,7 +30,7 @@ from frictionjoint.diagnose.by_motion import named_by_motion
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.drive import DRIVE_EFFECTS
-from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.matching import Bodies
 from frictionjoint.identify.terms import drive_changes
 from frictionjoint.refine.guard import held as in_band
 from frictionjoint.replay.closed_loop import Course, closed_loop, courses_of, joint_model

@@ -8,9 +8,9 @@ import pytest
 
 from frictionjoint import close_loop
 from frictionjoint.identify.base_fit import base_fit
-from frictionjoint.identify.constraint_shape import LEAD, ConstraintShape
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import LEAD, ConstraintShape
 from frictionjoint.measured.log import JointLog
 from frictionjoint.recordings.drift import drift, known_of
 from frictionjoint.report.folder import write_report

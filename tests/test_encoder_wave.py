@@ -5,9 +5,9 @@ import pytest
 
 from frictionjoint.diagnose.library import library
 from frictionjoint.identify.blocks import make_blocks
-from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.smooth import EncoderTerm
 from frictionjoint.identify.starts import fit
 from frictionjoint.measured.log import JointLog
 from tests.three_sines import sines

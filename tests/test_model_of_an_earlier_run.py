@@ -6,7 +6,7 @@ import pytest
 
 import frictionjoint as fj
 from frictionjoint.effects.gear import JOINT_ELASTICITY
-from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.matching import Bodies
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.joint_friction import SimulatedEffect
 from frictionjoint.simulate.motor import Motor, add_motor

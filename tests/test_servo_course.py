@@ -13,8 +13,7 @@ from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.search import refit
 from frictionjoint.identify.shape import INTEGRATED
-from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.timing import TargetTiming
+from frictionjoint.identify.terms import EffectTerm, TargetTiming
 from frictionjoint.measured.log import JointLog
 from frictionjoint.replay.closed_loop import closed_loop, courses_of, found_controller
 

@@ -9,7 +9,7 @@ from frictionjoint.arrays import Vector
 from frictionjoint.compiled import compiled
 from frictionjoint.errors import ModelError
 from frictionjoint.identify.rival_shape import forms_of
-from frictionjoint.identify.shape import Form, IntegratedShape
+from frictionjoint.identify.shape import IntegratedShape
 from frictionjoint.law.names import LAWS
 from frictionjoint.law.tangents.differentiate import Differentiated
 
@@ -31,7 +31,7 @@ TYPICAL = {
 
 def shape_of(law, n=1.0, variant="ganseman1997", virgin="literal", **others):
     if law == "integrated":
-        shape = IntegratedShape(0.0, 1.0, 1.0, 1.0, (1.0, 1.0), Form(n, variant, virgin))
+        shape = IntegratedShape(0.0, 1.0, 1.0, 1.0, (1.0, 1.0), n, variant, virgin)
     else:
         shape = forms_of(law)[0]
     return shape.moved(np.array([(TYPICAL | others)[name] for name in shape.variables]))

@@ -13,8 +13,7 @@ from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import State
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.effects.position import POSITION_PERIODIC
-from frictionjoint.identify.instruments import EncoderTerm
-from frictionjoint.identify.smooth import SplineTerm
+from frictionjoint.identify.smooth import EncoderTerm, SplineTerm
 from frictionjoint.identify.terms import EffectTerm
 
 BLOCKS = 48

@@ -7,12 +7,11 @@ from led import led
 
 from frictionjoint.control.controller import Controller
 from frictionjoint.diagnose.trace import trace
-from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody
-from frictionjoint.identify.rival_shape import start_of
+from frictionjoint.identify.rival_shape import ConstraintShape, start_of
 from frictionjoint.identify.starts import fit
-from frictionjoint.identify.timing import TargetTiming, age_of
+from frictionjoint.identify.terms import TargetTiming, age_of
 from frictionjoint.measured.log import JointLog
 from frictionjoint.rivals import StaticParameters
 

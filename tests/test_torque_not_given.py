@@ -8,8 +8,8 @@ import pytest
 from frictionjoint.diagnose.library import library
 from frictionjoint.diagnose.outcome import _without_unnamed
 from frictionjoint.identify.blocks import make_blocks
-from frictionjoint.identify.instruments import ExcessTerm, MissingTerm
 from frictionjoint.identify.search import refit
+from frictionjoint.identify.smooth import ExcessTerm, MissingTerm
 from frictionjoint.identify.starts import fit
 from tests.three_sines import INERTIA, A, Q, T, V, logged
 

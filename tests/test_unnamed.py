@@ -10,9 +10,8 @@ from frictionjoint.diagnose import outcome
 from frictionjoint.diagnose.candidate import without_columns
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.effects.rigid_body import SPRING
-from frictionjoint.identify.instruments import MissingTerm
 from frictionjoint.identify.search import refit
-from frictionjoint.identify.smooth import SplineTerm
+from frictionjoint.identify.smooth import MissingTerm, SplineTerm
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import EffectTerm
 from tests.three_sines import INERTIA, A, Q, T, V, logged

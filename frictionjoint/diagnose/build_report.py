@@ -14,11 +14,11 @@ from frictionjoint.diagnose.joint_logs import JointLogs
 from frictionjoint.diagnose.notes import DIVERGES, REFINED, gain_note, notes
 from frictionjoint.diagnose.proposal import Planner, computed_proposals
 from frictionjoint.diagnose.resulting_model import ResultingModel
-from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import law_estimates, law_parameters, units_of
 from frictionjoint.identify.rigid_body import RigidBody
+from frictionjoint.identify.rival_shape import ConstraintShape
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.joint_friction import JointFriction

@@ -32,8 +32,7 @@ from frictionjoint.identify.terms import EffectTerm, Term
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.refine.guard import clearly_less
 from frictionjoint.refine.objective import LONGEST_WINDOW_S, Objective, differences
-from frictionjoint.refine.refine import Refined, judged, on_whole_logs, on_windows, refine
-from frictionjoint.refine.tried import Tried
+from frictionjoint.refine.refine import Refined, Tried, judged, on_whole_logs, on_windows, refine
 from frictionjoint.refine.vector import Vector, with_term
 from frictionjoint.replay.closed_loop import Course
 from frictionjoint.replay.free_runs import simulated_whole

@@ -6,10 +6,10 @@ import numpy as np
 
 from frictionjoint.arrays import Array
 from frictionjoint.effects.signals import MOTOR
-from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.design import columns_of_term
-from frictionjoint.identify.sensitivity import full_signals
+from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.sensitivity import full_signals
 from frictionjoint.identify.smooth import SmoothTerm
 from frictionjoint.identify.terms import EffectTerm, Term
 

@@ -8,9 +8,9 @@ from frictionjoint.decisions import SIGNIFICANCE, SMALLEST_GAIN, TIE
 from frictionjoint.diagnose.moves import Move
 from frictionjoint.diagnose.score import Scored
 from frictionjoint.diagnose.state import distinguishable, improves, numbers_of
-from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.smooth import EncoderTerm
 from frictionjoint.identify.terms import Term
 
 

@@ -12,10 +12,10 @@ from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.joint_logs import JointLogs, prepare_logs
 from frictionjoint.diagnose.resulting_model import ResultingModel, resulting_model
 from frictionjoint.diagnose.trace import trace
-from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.early_checks import load_shows, scale_is_determined
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.matching import Bodies
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.weights import errors_elsewhere, weighted
 from frictionjoint.measured.log import JointLog

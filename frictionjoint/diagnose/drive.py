@@ -25,8 +25,7 @@ from frictionjoint.identify.rounding import first_least, in_order
 from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.starts import COARSE, COMPARING_STEPS
-from frictionjoint.identify.terms import EffectTerm, Term, all_but, in_place
-from frictionjoint.identify.timing import timed
+from frictionjoint.identify.terms import EffectTerm, Term, all_but, in_place, timed
 from frictionjoint.threads import side_by_side
 
 # steps of a fit to thinned logs; effects that are fitted to all samples

@@ -6,8 +6,8 @@ from frictionjoint.decisions import APART
 from frictionjoint.diagnose.candidate import is_unnamed
 from frictionjoint.diagnose.score import scored
 from frictionjoint.diagnose.state import State, improves, is_small, with_fewer
-from frictionjoint.identify.instruments import EncoderTerm
 from frictionjoint.identify.rounding import best_of
+from frictionjoint.identify.smooth import EncoderTerm
 from frictionjoint.identify.terms import Term, all_but
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.threads import side_by_side

@@ -9,8 +9,8 @@ from frictionjoint.diagnose.moves import Look, Looked
 from frictionjoint.diagnose.other_laws import Comparison
 from frictionjoint.effects.effect import Effect
 from frictionjoint.identify.fit import Fit, without_scale
-from frictionjoint.identify.instruments import NotGiven, as_delivered
 from frictionjoint.identify.segment import Prepared
+from frictionjoint.identify.smooth import NotGiven, as_delivered
 from frictionjoint.identify.terms import Term
 
 

@@ -21,7 +21,7 @@ from frictionjoint.eigenvalues import eigh
 from frictionjoint.identify.basis import DEPENDENT, lengths, pseudo_inverse, take_out, without
 from frictionjoint.identify.blocks import Blocks, Folds, whitened
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.timing import Timing
+from frictionjoint.identify.terms import Timing
 
 Columns = NDArray[np.int64]
 

@@ -9,8 +9,8 @@ from frictionjoint.control.controller import Controller, unknown_notes
 from frictionjoint.control.reconstruct import check_drive, measures_drive
 from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
-from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.early_checks import check
+from frictionjoint.identify.matching import Bodies
 from frictionjoint.identify.notes import other_drive_note
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.rigid_body import RigidBody

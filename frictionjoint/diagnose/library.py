@@ -23,13 +23,27 @@ from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.early_checks import scale_is_determined
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.instruments import EncoderTerm, ExcessTerm, MissingTerm
 from frictionjoint.identify.layout import term_bounds
 from frictionjoint.identify.search import HEARD
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.smooth import VARIABLES, HysteresisTerm, LogTerm, SplineTerm, quantity
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, swings_of
-from frictionjoint.identify.timing import DriveTiming, TargetTiming
+from frictionjoint.identify.smooth import (
+    VARIABLES,
+    EncoderTerm,
+    ExcessTerm,
+    HysteresisTerm,
+    LogTerm,
+    MissingTerm,
+    SplineTerm,
+    quantity,
+)
+from frictionjoint.identify.terms import (
+    DriveTerm,
+    DriveTiming,
+    EffectTerm,
+    TargetTiming,
+    Term,
+    swings_of,
+)
 from frictionjoint.threads import side_by_side
 
 

@@ -8,10 +8,10 @@ from frictionjoint.decisions import CLEARLY, MOSTLY, SURELY
 from frictionjoint.diagnose.determined import offset_instead
 from frictionjoint.diagnose.finding import Trace
 from frictionjoint.effects.signals import TIME, Q
-from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.early_checks import SURE
 from frictionjoint.identify.notes import assumed_note, inertia_note
 from frictionjoint.identify.result import scale_note, term_estimates, units_of
+from frictionjoint.identify.rival_shape import ConstraintShape
 
 REFINED = (
     "The parameters were refined by simulation. The position errors are those of the refined "

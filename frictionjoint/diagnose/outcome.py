@@ -26,12 +26,18 @@ from frictionjoint.identify.basis import lengths
 from frictionjoint.identify.basis import without as projected_out
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.instruments import ExcessTerm, MissingTerm, NotGiven, as_delivered
 from frictionjoint.identify.result import units_of
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.smooth import SmoothTerm, SplineTerm
+from frictionjoint.identify.smooth import (
+    ExcessTerm,
+    MissingTerm,
+    NotGiven,
+    SmoothTerm,
+    SplineTerm,
+    as_delivered,
+)
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit
 from frictionjoint.identify.terms import Term, all_but, in_place

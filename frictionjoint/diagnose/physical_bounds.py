@@ -10,7 +10,7 @@ from frictionjoint.decisions import LEAST_MOVED, SURELY, TIE
 from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.blocks import Blocks
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.instruments import EncoderTerm
+from frictionjoint.identify.smooth import EncoderTerm
 from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term
 
 # smallest fraction of the drive's rms that effects of the drive may leave

@@ -19,8 +19,7 @@ from frictionjoint.identify.search import ROUGH, nearer, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.starts import COMPARING_STEPS
-from frictionjoint.identify.terms import DriveTerm, Term, all_but
-from frictionjoint.identify.timing import Timing
+from frictionjoint.identify.terms import DriveTerm, Term, Timing, all_but
 
 # changes of a model after which a search ends
 MOST_CHANGES = 16

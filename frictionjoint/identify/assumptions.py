@@ -8,10 +8,10 @@ import numpy as np
 from frictionjoint.arrays import root_mean_square
 from frictionjoint.decisions import SMALLEST_GAIN, SURELY
 from frictionjoint.effects.signals import GEAR, A, V
-from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.intervals import stated_covariance
 from frictionjoint.identify.result import Estimate, law_estimates, law_parameters
+from frictionjoint.identify.rival_shape import ConstraintShape
 from frictionjoint.identify.search import ROUGH, Search, refit
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import IntegratedShape

@@ -12,9 +12,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from frictionjoint.decisions import APART
-from frictionjoint.identify.constraint_shape import ConstraintShape
 from frictionjoint.identify.fit import Fit
-from frictionjoint.identify.rival_shape import forms_of, start_of
+from frictionjoint.identify.rival_shape import ConstraintShape, forms_of, start_of
 from frictionjoint.identify.rounding import best_of, in_order
 from frictionjoint.identify.search import ROUGH, refit
 from frictionjoint.identify.segment import Prepared

@@ -21,14 +21,18 @@ from frictionjoint.identify.layout import Layout, layout_of, term_bounds
 from frictionjoint.identify.segment import Prepared, Segment
 from frictionjoint.identify.shape import Shape
 from frictionjoint.identify.terms import (
+    DampingAge,
     DriveTerm,
+    TargetTiming,
     Term,
+    Timing,
+    VelocityAge,
+    age_of,
     changing_drive,
     delay_of,
     drive_changes,
     in_place,
 )
-from frictionjoint.identify.timing import DampingAge, TargetTiming, Timing, VelocityAge, age_of
 from frictionjoint.threads import side_by_side, threads_here
 
 # step of such a number over that: the kernels of effects carry no tangents of their own, and a gap

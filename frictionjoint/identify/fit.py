@@ -13,8 +13,7 @@ from frictionjoint.identify.basis import lengths, without
 from frictionjoint.identify.layout import Layout
 from frictionjoint.identify.segment import LEAST_LEVEL, Drive, Prepared
 from frictionjoint.identify.shape import ENDLESS, LENGTHS, Shape
-from frictionjoint.identify.terms import SHARES, Term
-from frictionjoint.identify.timing import Timing
+from frictionjoint.identify.terms import SHARES, Term, Timing
 
 # squared weight from which on a sample counts as in motion
 IN_MOTION = 0.5

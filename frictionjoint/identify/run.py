@@ -11,12 +11,12 @@ from frictionjoint.control.reconstruct import check_drive
 from frictionjoint.files import toml_text, toml_text_without_scale
 from frictionjoint.identify.assumptions import with_assumptions
 from frictionjoint.identify.base_fit import base_fit, with_last_freedoms
-from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.early_checks import check as check_balance
 from frictionjoint.identify.early_checks import check_fit, scale_is_determined
 from frictionjoint.identify.fit import without_scale
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.matching import Bodies
 from frictionjoint.identify.notes import (
     CAUSES,
     LARGE,

@@ -20,8 +20,7 @@ from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.rounding import best_of
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import Shape
-from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, swings_of
-from frictionjoint.identify.timing import timed
+from frictionjoint.identify.terms import DriveTerm, EffectTerm, Term, in_place, swings_of, timed
 from frictionjoint.threads import one_thread
 
 # relative change of the squares at which a search ends

@@ -143,15 +143,6 @@ def length_bounds(span: float) -> tuple[float, float]:
     return float(np.log(1e-6 * span)), float(np.log(0.1 * span))
 
 
-@dataclass(frozen=True)
-class Form:
-    """Discrete choices in the law, see `FrictionParameters`; a fit tries each."""
-
-    n: float
-    variant: Variant
-    virgin: Virgin
-
-
 # Exponents with closed-form steps: a log barely distinguishes those in between, and they cost more
 # times faster.
 _EXPONENTS = (1.0, 2.0, 4.0)
@@ -171,7 +162,10 @@ class IntegratedShape(KernelShape):
     # slope of the second segment over the first, and of the third over the second, each in (0, 1];
     # (1, 1) is a straight transition curve
     bend: tuple[float, float]
-    form: Form  # what a search cannot vary smoothly
+    # discrete choices, see `FrictionParameters`; a fit tries each
+    n: float
+    variant: Variant
+    virgin: Virgin
     negative: tuple[float, float] | None = None  # excess and Vs of negative motion, if different
     damped: bool = False
     stiffness_assumed: bool = False
@@ -248,18 +242,18 @@ class IntegratedShape(KernelShape):
 
     def last_choices(self) -> list[Self]:
         """Variants of the first loading of a joint that never moved."""
-        return [replace(self, form=replace(self.form, virgin=x)) for x in get_args(Virgin)]
+        return [replace(self, virgin=x) for x in get_args(Virgin)]
 
     def with_sharp_sliding(self) -> list[Self]:
         """This shape with an exponent above those of a search; with the present Stribeck curve, and
         with a wide one of half the height."""
-        sharp = replace(self, form=replace(self.form, n=_SHARP))
+        sharp = replace(self, n=_SHARP)
         return [sharp, replace(sharp, excess=0.5 * self.excess, Vs=2.0 * self.Vs, delta=2.0)]
 
     @property
     def sharp(self) -> bool:
         """Whether sliding begins sharply, see `with_sharp_sliding`."""
-        return self.form.n == _SHARP
+        return self.n == _SHARP
 
     def with_damping(self) -> Self:
         """This shape with the presliding damping sigma1."""
@@ -296,9 +290,9 @@ class IntegratedShape(KernelShape):
             sigma2_pos=sigma2,
             sigma2_neg=sigma2,
             sigma1=sigma1,
-            n=self.form.n,
-            variant=self.form.variant,
-            virgin=self.form.virgin,
+            n=self.n,
+            variant=self.variant,
+            virgin=self.virgin,
             knots=self._knots(Fs_pos + Fs_neg),
         )
 
@@ -346,7 +340,7 @@ def _parts(bend: tuple[float, float]) -> tuple[float, float, float]:
 
 
 INTEGRATED = tuple(
-    IntegratedShape(0.2, 1.0, 1.0, 1.0, (0.4, 0.4), Form(n, variant, "literal"))
+    IntegratedShape(0.2, 1.0, 1.0, 1.0, (0.4, 0.4), n, variant, "literal")
     for variant in get_args(Variant)
     for n in _EXPONENTS
 )

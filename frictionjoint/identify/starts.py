@@ -17,8 +17,7 @@ from frictionjoint.identify.search import CLOSE, ROUGH, Place, Search, nearer, w
 from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED, IntegratedShape, Shape
 from frictionjoint.identify.start import settled
-from frictionjoint.identify.terms import Term
-from frictionjoint.identify.timing import Timing, VelocityAge, timed
+from frictionjoint.identify.terms import Term, Timing, VelocityAge, timed
 from frictionjoint.identify.weights import errors_of, inverse_likelihood, reweighed, weighted_by
 from frictionjoint.threads import one_thread, side_by_side
 

@@ -15,7 +15,7 @@ from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 from frictionjoint.errors import ParameterError
 from frictionjoint.files import joint_friction, toml_document
-from frictionjoint.identify.constraint_shape import Constraint
+from frictionjoint.identify.rival_shape import Constraint
 from frictionjoint.joint_friction import JointFriction
 
 _PAIRS = ("pos", "neg")

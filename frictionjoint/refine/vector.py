@@ -11,8 +11,7 @@ from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.layout import layout_of
 from frictionjoint.identify.rounding import rounded
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.timing import DriveTiming, Timing
+from frictionjoint.identify.terms import DriveTiming, EffectTerm, Timing
 
 # standard deviation of a prior from earlier logs: in their standard errors, which leave out what is
 # wrong in every log alike, and over the number itself

@@ -25,11 +25,11 @@ from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rms import Rms
 from frictionjoint.identify.segment import Prepared
-from frictionjoint.identify.terms import EffectTerm, changing_drive, drive_changes
+from frictionjoint.identify.terms import changing_drive, drive_changes
 from frictionjoint.identify.terms import delay_of as late_by
 from frictionjoint.measured.derivatives import differentiate, first_velocity, followed
 from frictionjoint.measured.log import JointLog
-from frictionjoint.replay.free_runs import Replay, motor_of, simulated_effects
+from frictionjoint.replay.free_runs import Replay, inertia_error, motor_of, simulated_effects
 from frictionjoint.replay.windows import LONGEST_STEP
 from frictionjoint.simulate import one_joint
 from frictionjoint.simulate.one_joint import JointModel, Load, Run, simulate
@@ -255,17 +255,12 @@ def _harmonic(x: list[Array]) -> Array:
 def joint_model(fitted: Fit) -> JointModel:
     """A fitted model in the form that a simulation runs."""
     motor = motor_of(fitted)
-    inertia = sum(
-        float(fitted.term_coefficients(i)[0])
-        for i, term in enumerate(fitted.terms)
-        if isinstance(term, EffectTerm) and term.effect.is_inertia
-    )
     return JointModel(
         law_parameters(fitted),
         simulated_effects(fitted),
         motor.gain if motor else 1.0,
         motor.back_emf if motor else 0.0,
-        inertia,
+        inertia_error(fitted),
         max(0.0, late_by(fitted.terms)),
     )
 

@@ -109,6 +109,12 @@ def motor_of(fitted: Fit) -> Motor | None:
     return Motor(fitted.gain, emf, fitted.drive, saturation)
 
 
+def inertia_error(fitted: Fit) -> float:
+    """Inertia at the joint that the model lacks, kg m^2 (kg)."""
+    at = [i for i, term in enumerate(fitted.terms) if term.effect.is_inertia]
+    return sum(float(fitted.term_coefficients(i)[0]) for i in at)
+
+
 def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     """Put a fitted model into a spec: law, effects, armature, and the motor of a voltage-driven
     joint.
@@ -118,11 +124,8 @@ def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     target = spec.joint(joint)
     target.frictionloss = 0.0
     target.damping = np.zeros_like(target.damping)
-    for i, term in enumerate(fitted.terms):
-        if isinstance(term, EffectTerm) and term.effect.is_inertia:
-            # never below nothing: the rest of a negative error is beyond what armature can say
-            extra = float(fitted.term_coefficients(i)[0])
-            target.armature = max(0.0, float(target.armature) + extra)
+    # never below nothing: the rest of a negative error is beyond what armature can say
+    target.armature = max(0.0, float(target.armature) + inertia_error(fitted))
     motor = motor_of(fitted)
     # the torque of a controller whose kp was found needs no motor, as that of a known one
     if motor and not fitted.over_kp:

@@ -13,8 +13,8 @@ from frictionjoint.control.controller_file import GivenController, controller_of
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.trace import INTEGRATED_LAW
 from frictionjoint.errors import FrictionJointError, LogError
-from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fixed_joints import Pose
+from frictionjoint.identify.matching import Bodies
 from frictionjoint.identify.result import Estimate
 from frictionjoint.identify.rigid_body import before_friction, ignored_note
 from frictionjoint.identify.rival_shape import forms_of

@@ -15,10 +15,10 @@ from frictionjoint.diagnose.finding import Trace
 from frictionjoint.diagnose.report_parts import torque_rms
 from frictionjoint.errors import FrictionJointError
 from frictionjoint.identify.blocks import CORRELATION_TIMES, correlation_time
-from frictionjoint.identify.bodies import Bodies
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.fixed_joints import Pose
 from frictionjoint.identify.intervals import stated_covariance
+from frictionjoint.identify.matching import Bodies
 from frictionjoint.identify.result import law_estimates, law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
 from frictionjoint.identify.rms import Rms

@@ -18,8 +18,7 @@ from frictionjoint.identify.segment import Prepared
 from frictionjoint.identify.shape import INTEGRATED
 from frictionjoint.identify.start import settled
 from frictionjoint.identify.starts import fit, law_alone, with_times
-from frictionjoint.identify.terms import EffectTerm
-from frictionjoint.identify.timing import TargetTiming, Timing, VelocityAge
+from frictionjoint.identify.terms import EffectTerm, TargetTiming, Timing, VelocityAge
 from frictionjoint.identify.weights import reweighed
 from frictionjoint.measured.log import JointLog
 from frictionjoint.robot.corrected_torque import Along

@@ -35,7 +35,7 @@ from frictionjoint.effects.gear import free_swing
 from frictionjoint.effects.kernel import columns, torques
 from frictionjoint.effects.signals import DT, GEAR, N_SIGNALS, TIME, A, H, Q, V
 from frictionjoint.identify.blocks import gram_matrices
-from frictionjoint.identify.constraint_shape import gradient
+from frictionjoint.identify.rival_shape import gradient
 from frictionjoint.identify.smooth import elastic_plastic
 from frictionjoint.identify.tracks import fill_grid, path_of
 from frictionjoint.law import relaxation, stribeck

@@ -31,7 +31,7 @@ from frictionjoint import close_loop
 from frictionjoint.diagnose.close_loop import explain
 from frictionjoint.diagnose.trace import trace
 from frictionjoint.effects.drive import DRIVE_EFFECTS
-from frictionjoint.identify.bodies import Bodies
+from frictionjoint.identify.matching import Bodies
 from frictionjoint.identify.prepare import prepare
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
