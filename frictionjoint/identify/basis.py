@@ -6,8 +6,7 @@ from scipy.linalg import qr
 from frictionjoint.arrays import Array
 from frictionjoint.eigenvalues import eigh
 
-# eigenvalues of a Gram matrix of columns below this fraction of the largest count as zero: those
-# columns depend on each other
+# eigenvalues of a Gram matrix below this fraction of the largest: its columns depend on each other
 DEPENDENT = 1e-8
 
 
@@ -32,8 +31,7 @@ def pseudo_inverse(A: Array, rcond: float = DEPENDENT) -> Array:
 
 
 def without(X: Array, known: Array) -> Array:
-    """Columns, shape (n,) or (n, k), with others of similar norms, possibly none, shape (n, m),
-    projected out on all samples."""
+    """Columns, (n,) or (n, k), with others of similar norms, (n, m), if any, projected out."""
     # columns in memory one after the other, as `Blocks.gram` reads them
     rows = np.array(X.T, order="C")
     take_out(rows, known)

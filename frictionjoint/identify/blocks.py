@@ -27,11 +27,10 @@ LOGS = 3
 
 
 class Folds(NamedTuple):
-    """The place of each block, fold 0 to F - 1, shape (B,), and 1 where a block is inside a fold,
-    else 0, shape (F, B)."""
+    """Membership of blocks in folds."""
 
-    place: Index
-    inside: Array
+    place: Index  # fold of each block, 0 to F - 1, shape (B,)
+    inside: Array  # 1 where a block is inside a fold, else 0, shape (F, B)
 
     def sums(self, x: Array) -> Array:
         """Sum numbers of shape (B, ...) over the blocks of each fold; shape (F, ...)."""

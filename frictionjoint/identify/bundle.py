@@ -47,8 +47,7 @@ class Commanded:
 
 
 class CommandedLogs:
-    """Commands of several logs, concatenated: one call computes all drives, in which `places` are
-    the slices of the logs."""
+    """Commands of several logs: one call computes all drives, with the logs' slices in `places`."""
 
     def __init__(self, logs: Sequence[Commanded]) -> None:
         self._logs = [log.commands for log in logs]
@@ -59,8 +58,7 @@ class CommandedLogs:
         self.places = places([log.filters[-1].given for log in logs])
 
     def output(self, of: Output, changes: Sequence[Change]) -> Array:
-        """An output of the controllers of all logs after some changes, on the grids of the fit and
-        filtered, shape (n,)."""
+        """An output of all logs' controllers after changes, filtered on the fit's grids, (n,)."""
         blocks, delays = [], []
         for log in self._logs:
             block, delay = log.block.copy(), log.delay
@@ -116,19 +114,16 @@ class Cache:
 
 
 class Bundle:
-    """Concatenated logs.
-
-    Attributes:
-        logs: at least one. places: slice of each among the n samples of all.
-        store: cache of columns and targets of torque balances, and of laws along the logs.
-    """
+    """Concatenated logs, at least one."""
 
     def __init__(self, logs: Sequence["Segment"]) -> None:
         self.logs = tuple(logs)
+        # slice of each log among the n samples of all
         self.places = places([len(log.drive) for log in logs])
         self._filters = LowPasses([log.filter for log in logs])
         self._kept = np.concatenate([log.kept for log in logs])
-        # most results serve the next point of a search, or the next search
+        # columns and targets of balances, and laws along the logs; most serve the next point of a
+        # search, or the next search
         self.store = Cache(max(12_000_000, 30 * self.velocity.nbytes))
 
     @cached_property
@@ -138,8 +133,7 @@ class Bundle:
         return Tracks(paths, starts)
 
     def kept(self, x: Array) -> Array:
-        """Signals in rows, shape (k, n), filtered and reduced to the kept samples, as columns,
-        shape (m, k)."""
+        """Signals in rows, shape (k, n), filtered, as columns on the kept samples, shape (m, k)."""
         return np.asarray(self._filters(x)[:, self._kept].T)
 
     def row(self, signal: int) -> Array:

@@ -130,8 +130,7 @@ class Balance:
         return part.store.get(key, lambda: part.damping_rate(drive_changes(terms)))
 
     def answer(self, terms: tuple[Term, ...]) -> Array:
-        """Change of the drive per small error of position, per rad (m), shape (n,); zero for a
-        measured drive."""
+        """Change of the drive per small error of position, (n,); zero for a measured drive."""
         key, changes = ("answer", *changing_drive(terms)), drive_changes(terms)
         found = [part.store.get(key, partial(part.answer, changes)) for part in self._parts]
         return np.concatenate(found)
@@ -172,29 +171,24 @@ class Balance:
             for j, (x, reach) in enumerate(reaches(term, self.span)):
                 if isinstance(term, DriveTerm | TargetTiming):
                     found.append(self._drive_move(terms, k, j, part))
-                    continue
-                if isinstance(term, DampingAge):
+                elif isinstance(term, DampingAge):
                     names = self.layout.base
                     sigma2 = beta[names.index("sigma2")] if "sigma2" in names else 0.0
                     found.append(-sigma2 * part.rate)
-                    continue
-                if isinstance(term, VelocityAge):
+                elif isinstance(term, VelocityAge):
                     found.append(-self._damping_rate(terms, part))
-                    continue
-                if not term.coefficients:
-                    # the drive of an earlier time
-                    driven = self._driven(terms, part)
-                    found.append(part.balanced(driven, delay_of(terms), 1))
-                    continue
-                h = _STEP * reach if np.isfinite(reach) else 1e-4
-                ends = [term.with_shape(in_place(term.free_shape, j, x + d)) for d in (h, -h)]
-                own = beta[self.layout.coefficients(k)]
-                logs = list(zip(part.logs, along, strict=True))
-                above, below = (
-                    np.concatenate([end.torque(s, signals, own) for s, signals in logs])
-                    for end in ends
-                )
-                found.append(part.kept((above - below)[None] / (2.0 * h))[:, 0])
+                elif not term.coefficients:  # the drive of an earlier time
+                    found.append(part.balanced(self._driven(terms, part), delay_of(terms), 1))
+                else:
+                    h = _STEP * reach if np.isfinite(reach) else 1e-4
+                    ends = [term.with_shape(in_place(term.free_shape, j, x + d)) for d in (h, -h)]
+                    own = beta[self.layout.coefficients(k)]
+                    logs = list(zip(part.logs, along, strict=True))
+                    above, below = (
+                        np.concatenate([end.torque(s, signals, own) for s, signals in logs])
+                        for end in ends
+                    )
+                    found.append(part.kept((above - below)[None] / (2.0 * h))[:, 0])
         kept = len(part.load_and_velocity)
         return np.column_stack(found) if found else np.zeros((kept, 0))
 

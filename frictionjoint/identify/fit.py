@@ -152,8 +152,7 @@ class Fit:
 
     @property
     def ended(self) -> int:
-        """How many numbers of the law are at an end of a range that only keeps a search from
-        running away."""
+        """How many of the law's numbers are at an end of a range that only bounds the search."""
         at = zip(self.layout.names, self.bound.tolist(), strict=True)
         ends = {name.removeprefix("law."): bool(is_at) for name, is_at in at}
         # without a Stribeck effect its velocity and exponent have no influence

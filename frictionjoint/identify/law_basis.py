@@ -45,8 +45,7 @@ class LinearLaw:
         return float(self.levels.sum())
 
     def sticking(self, s: Segment, top_speed: float) -> tuple[Array, Array]:
-        """Fraction of the level carried by sticking elements along a log, and their stiffness, each
-        of shape (n,)."""
+        """Fraction of the level that sticks along a log, and its stiffness, each of shape (n,)."""
         sticks = np.abs(elastic_plastic(s.signals[:, Q], self.reaches)) < 1.0
         each = falls(np.abs(s.signals[:, V]) / top_speed) @ self.levels
         total = np.maximum(each.sum(axis=1), np.finfo(float).tiny)
@@ -70,8 +69,7 @@ class LawBasis:
 
     @cached_property
     def columns(self) -> Array:
-        """Regressors of the levels, one per function of `falls` and element, then of the damping,
-        shape (n, (2 + f) k)."""
+        """Regressors of levels, by function of `falls` and element, and damping, (n, (2 + f) k)."""
         parts = (s.balanced(self._along(s)) for s in self.prepared.segments)
         return self.prepared.columns.get("law", lambda: np.concatenate(list(parts)))
 
@@ -106,8 +104,7 @@ class LawBasis:
 
 
 def top_speed(segments: Sequence[Segment]) -> float:
-    """Top speed of all logs without the fastest 1% of samples of each, rad/s (m/s); 1 if nothing
-    moves."""
+    """Top speed of logs without the fastest 1% of samples of each, rad/s (m/s); 1 if none move."""
     return float(np.max([np.quantile(np.abs(s.signals[:, V]), 0.99) for s in segments])) or 1.0
 
 

@@ -14,8 +14,7 @@ _FALLS = np.array([0.002, 0.006, 0.02, 0.06, 0.2])
 # fractions of the final torque of a transition curve at which its knots are placed. The last is
 # below 1, because a sum of elements reaches 1 only when its softest element slips.
 _KNOTS = (0.5, 0.8, 0.98)
-# speeds at which the level is evaluated, and possible Stribeck velocities, as fractions of the top
-# speed
+# speeds at which the level is evaluated, and possible Stribeck velocities, over the top speed
 _SPEEDS, _VELOCITIES = np.geomspace(1e-3, 0.5, 60), np.geomspace(2e-3, 0.25, 25)
 
 

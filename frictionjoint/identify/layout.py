@@ -15,8 +15,7 @@ from frictionjoint.identify.terms import Term
 class Layout:
     """Parameters of a law with terms."""
 
-    # names of the law's linear coefficients: load (if the drive's gain is unknown), sigma2, Fc,
-    # sigma1
+    # of the law's linear coefficients: load (if the drive's gain is unknown), sigma2, Fc, sigma1
     base: tuple[str, ...]
     law: tuple[str, ...]  # names of the numbers of its shape
     terms: tuple[Term, ...]

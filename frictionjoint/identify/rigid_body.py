@@ -138,12 +138,8 @@ class RigidBody:
         acceleration: Array,
         others: Mapping[str, tuple[Array, Array, Array]] | None = None,
     ) -> RigidBodyTorque:
-        """Inverse dynamics along a motion.
-
-        Args:
-            position, velocity, acceleration: of the joint, shape (n,), rad, rad/s, rad/s^2.
-            others: the same triple for other joints by name; joints not named stay where
-                they are fixed, or at qpos0.
+        """Inverse dynamics along a motion of the joint, shape (n,) each, rad, rad/s, rad/s^2, with
+        the same of other joints by name; joints not named stay where they are fixed, or at qpos0.
         """
         model, data = self.model, mujoco.MjData(self.model)
         tracks = [(self.joint_id, (position, velocity, acceleration))]
@@ -225,8 +221,7 @@ class RigidBody:
 
 
 def direction(velocity: Array) -> Array:
-    """Direction of the friction of a tendon, which reverses within a small fraction of its top
-    speed, (n,)."""
+    """Direction of a tendon's friction, which reverses within a part of its top speed, (n,)."""
     top = float(np.quantile(np.abs(velocity), 0.99)) or 1.0
     return np.asarray(np.tanh(velocity / (TURNS * top)))
 

@@ -166,14 +166,12 @@ class Search:
     def split(self, x: Array) -> tuple[Shape, tuple[Term, ...]]:
         """The law and the terms at a point."""
         numbers = x[: len(self.layout.law)]
-        # the law that a search starts from is known along the logs, unlike one that differs from it
-        # by rounding
+        # the law at the start is known along the logs, unlike one that differs by rounding
         law = self.law if np.array_equal(numbers, self._at_law) else self.law.moved(numbers)
         return law, self.layout.moved_terms(x)
 
     def run(self, x: Array, steps: int, closeness: float) -> Place:
-        """Result of some steps from x; finally, discontinuous numbers are also searched in
-        finite steps."""
+        """Result of some steps from x, then of finite steps of the discontinuous numbers."""
         place = self._descended(x, steps, closeness)
         axes = self.leaping if closeness <= CLOSE else []
         # at most three rounds of finite steps, each with a gain of 0.1% or more

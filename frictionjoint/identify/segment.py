@@ -57,8 +57,7 @@ class Segment:
     # 1 while a measured drive is at its largest value, -1 at its smallest; None: it is at neither
     saturated: Array | None = None
     inertia: float = 0.0  # mean inertia about the joint's axis, kg m^2 (kg)
-    # start and end, s in the log's time, of each part that the mask leaves out because another
-    # drive turns the joint there
+    # start and end, s in the log's time, of masked parts in which another drive turns the joint
     turned_by_another: tuple[tuple[float, float], ...] = ()
 
     @cached_property

@@ -127,8 +127,7 @@ _TORQUES = (0.5, 0.8, 1.0)
 _STEEP_TORQUE, _STEEPER = 0.0025, 1000.0
 
 
-# of a presliding length at the start of a search: what seems soft may be the filter's or the law's
-# own lag
+# parts of a presliding length to start from: a filter's or law's own lag may make it seem soft
 STIFFER = (0.3, 1.0)
 
 
@@ -143,8 +142,7 @@ def length_bounds(span: float) -> tuple[float, float]:
     return float(np.log(1e-6 * span)), float(np.log(0.1 * span))
 
 
-# Exponents with closed-form steps: a log barely distinguishes those in between, and they cost more
-# times faster.
+# Exponents with closed-form steps, which are fast: a log barely distinguishes those in between.
 _EXPONENTS = (1.0, 2.0, 4.0)
 _SHARP = 12.0
 
@@ -222,8 +220,8 @@ class IntegratedShape(KernelShape):
         return np.array(least), np.array(most)
 
     def started(self, start: LawStart) -> list[Self]:
-        """Starting shapes, with the estimated transition curve and with a straight one, whose loops
-        a small n makes curved enough."""
+        """Starting shapes, with the estimated and with a straight transition curve, whose loops
+        curve enough at a small n."""
         # a bend that is smaller or larger at the start cannot move
         straight = 0.95
         first, second = np.clip(start.bend, 0.03, straight)

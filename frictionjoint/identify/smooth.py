@@ -89,8 +89,7 @@ class SplineTerm(SmoothTerm):
         return out * signals[:, [H]] if self.odd else out
 
     def _basis(self, x: Array) -> Array:
-        """Cubic B-splines of uniform knots at x, without the last, as all sum to a constant, shape
-        (n, pieces + 2)."""
+        """Cubic B-splines of uniform knots at x without the last: all sum to 1, (n, pieces + 2)."""
         at = np.clip((x - self.low) / (self.high - self.low), 0.0, 1.0) * self.pieces
         piece = np.minimum(at.astype(int), self.pieces - 1)
         t = at - piece
@@ -189,10 +188,9 @@ class WaveTerm(TunedTerm):
 
 @dataclass(frozen=True)
 class HysteresisTerm(SmoothTerm):
-    """Additional hysteresis in position: elastic-plastic elements that slip at some displacements,
-    rad."""
+    """Additional hysteresis in position: elastic-plastic elements."""
 
-    reaches: tuple[float, ...]
+    reaches: tuple[float, ...]  # displacements at which they slip, rad
 
     @property
     def coefficients(self) -> tuple[str, ...]:

@@ -32,8 +32,7 @@ _TELLS = 0.01
 
 
 def with_starts(prepared: Prepared, fitted: Fit) -> Prepared:
-    """The logs with initial states that minimise the residual of a fit; `prepared` itself if no log
-    determines a better one."""
+    """The logs with initial states that minimise a fit's residual; `prepared` if none is better."""
     begun = []
     for i, held in enumerate(_starts(prepared, fitted)):
         own = prepared.segments[i]
@@ -87,8 +86,7 @@ def _starts(prepared: Prepared, fitted: Fit) -> list[float]:
 
 
 def _swing(one: Prepared, fitted: Fit) -> tuple[float, float]:
-    """Deflection of an elastic joint at the first sample of a log, and its rate, in which the
-    residual is linear."""
+    """First deflection of an elastic joint in a log, and its rate; the residual is linear in it."""
     (segment,) = one.segments
     at = [i for i, t in enumerate(fitted.terms) if t.effect.free]
     inertia = float(fitted.term_coefficients(at[0])[0]) / fitted.gain if at else 0.0

@@ -283,8 +283,7 @@ class Timing(Term):
 
 
 class DriveTiming(Timing):
-    """Time by which a measured drive was read before the position; a longer time is
-    `measurement-delay`."""
+    """Time by which a measured drive was read before the position, see `measurement-delay`."""
 
     name = "timing of the drive"
 

@@ -21,8 +21,7 @@ from frictionjoint.identify.segment import Prepared
 # error of any law between sticking and sliding, over the level. Laws fitted to plants that have
 # another law leave 3 to 10% of the level there.
 STICKING_ERROR = 0.05
-# most that the torque of a curve which saturates exponentially changes, over its level, when its
-# stiffness changes by a part
+# largest change of an exponentially saturating torque, over its level, per part of its stiffness
 _PER_STIFFNESS = np.exp(-1.0)
 
 

@@ -68,21 +68,15 @@ def _groups(courses: Sequence[Course]) -> list[list[int]]:
 def without_each(
     objective: Objective, z: Array, J: Array, masks: Sequence[Mask]
 ) -> tuple[Array, Array]:
-    """Numbers fitted without each kind, (kinds, p), and their errors on it, see `on_each`.
-
-    Args:
-        objective: of whole logs. z: refined numbers in its units. J: its derivatives there.
-    """
+    """Numbers fitted without each kind, (kinds, p), and their errors on it, see `on_each`, from the
+    refined numbers z in units of the objective, of whole logs, and its derivatives J there."""
     moved = np.array([_without(objective, z, J, mask) for mask in masks])
     return moved, on_each(objective, moved, masks)
 
 
 def on_each(objective: Objective, moved: Array, masks: Sequence[Mask]) -> Array:
-    """Errors on each kind of the numbers fitted without it, rad (m), NaN elsewhere, (kinds, n).
-
-    Args:
-        moved: in units of the objective, which may be another one of the same numbers, (kinds, p).
-    """
+    """Errors on each kind of the numbers fitted without it, `moved`, (kinds, p), in units of the
+    objective, which may be another one of the same numbers; rad (m), NaN elsewhere, (kinds, n)."""
     return np.where(masks, [objective.errors(x) for x in moved], np.nan)
 
 
@@ -133,15 +127,10 @@ def spread(z: Array, moved: Array, masks: Sequence[Mask]) -> Array:
 
 
 def uncertain(told: Array, U: Array, wider: float) -> Array:
-    """Covariance of numbers in units of the prior if the logs' errors are `wider` by a factor, (p,
-    p).
-
-    Numbers that the logs do not determine keep the prior, however large the errors are.
-
-    Args:
-        told: J'J of the derivatives of the logs' soft errors, shape (p, p). U: covariance between
-            kinds of logs, shape (p, p).
-    """
+    """Covariance of numbers in units of the prior if the logs' errors are `wider` by a factor, from
+    J'J of the derivatives of their soft errors, `told`, and the covariance between kinds of logs,
+    U, shape (p, p) each. Numbers that the logs do not determine keep the prior, however large the
+    errors are."""
     return np.asarray(np.linalg.inv(told / wider**2 + np.eye(len(told))) + U)
 
 
@@ -190,10 +179,8 @@ def held(low: Array, high: Array) -> Array:
 
     A reading represents all positions that are rounded to it. It counts with the fraction of its
     probability that is inside the band. So the band of a correct prediction contains `BAND` of the
-    readings for any encoder.
-
-    Args:
-        low, high: predicted probability of less than each reading, and of no more than it.
+    readings for any encoder. `low` and `high` are the predicted probabilities of less than each
+    reading, and of no more than it.
     """
     least, most = 0.5 - 0.5 * BAND, 0.5 + 0.5 * BAND
     inside = np.clip(high, least, most) - np.clip(low, least, most)

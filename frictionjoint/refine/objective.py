@@ -27,12 +27,8 @@ LONGEST_WINDOW_S = 1.0
 
 
 def errors(courses: Sequence[Course], fitted: Fit, window_s: float | None) -> list[Array]:
-    """Simulated minus measured position at the samples of each log, rad (m).
-
-    Args:
-        window_s: s between restarts from the measured motion; None: whole logs. Where the drive was
-            measured, the windows of the course.
-    """
+    """Simulated minus measured position at the samples of each log, rad (m), with `window_s` s
+    between restarts from the measured motion, or those of the course; None: whole logs."""
     model, changes = joint_model(fitted), drive_changes(fitted.terms)
 
     def one(course: Course) -> Array:
@@ -129,15 +125,9 @@ class Objective:
 
 
 class Secant:
-    """Jacobian for a search, called at each accepted point.
-
-    Args:
-        residual: of the search. bounds: of the numbers. last: a point with its residual and
-            derivatives, if known. again: whether differences are computed again; else known
-            derivatives stay in use.
-    Attributes:
-        last: the point of the last call. new: whether its derivatives are differences.
-    """
+    """Jacobian of a residual within bounds for a search, called at each accepted point; `last` is
+    the last point with its residual and derivatives, if known, and `new` whether these are
+    differences. Known derivatives stay in use unless differences may be computed `again`."""
 
     def __init__(
         self,

@@ -49,11 +49,8 @@ class Posterior:
         made: Callable[[Array], JointFriction],
         has_gain: bool = False,
     ) -> "Posterior":
-        """From a fit's numbers, their covariance, and the friction they define.
-
-        Args:
-            has_gain: the first number is the gain of the drive.
-        """
+        """From a fit's numbers, whose first may be the gain of the drive, their covariance, and the
+        friction they define."""
         gain: Array = np.zeros((0, len(values)))
         if has_gain and np.isfinite(cov[0]).all() and cov[0, 0] > 0.0:
             gain = cov[:1] / np.sqrt(cov[0, 0])
@@ -84,12 +81,8 @@ class Posterior:
         return cls(content, factor, len(gain))
 
     def sample(self, n: int, seed: int = 0) -> tuple[JointFriction, ...]:
-        """Draw parameter sets, for `install`.
-
-        Raises:
-            ParameterError: fewer than one requested; a negative seed; almost no drawn set is
-                possible.
-        """
+        """Draw parameter sets, for `install`; ParameterError: fewer than one requested, a negative
+        seed, almost no drawn set is possible."""
         if n < 1 or seed < 0:
             raise ParameterError(f"{n} samples, seed {seed}: give at least 1, and a seed from 0")
         rng = np.random.default_rng(seed)
@@ -121,11 +114,7 @@ class Posterior:
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> "Posterior":
-        """Inverse of `to_dict`.
-
-        Raises:
-            ParameterError: parameters that are no friction, or a factor that is not of them.
-        """
+        """Inverse of `to_dict`; ParameterError: no friction, or a factor that is not of it."""
         parameters, rows = dict(content["parameters"]), content["factor"]
         joint_friction(parameters)
         size = len(numbers_in(parameters))

@@ -39,11 +39,7 @@ _FALL = "excess"
 
 
 class Tried:
-    """Fitted numbers and their evidence, computed when first needed.
-
-    Attributes:
-        vector, values: the numbers, shape (p,).
-    """
+    """Fitted numbers, `values` of a `vector`, shape (p,), and their evidence when first needed."""
 
     def __init__(self, vector: Vector, objective: Objective, values: Array, J: Array) -> None:
         self.vector, self.values = vector, values
@@ -83,12 +79,8 @@ class Tried:
 def tried(
     vector: Vector, courses: Sequence[Course], window_s: float | None, starts: Sequence[Array]
 ) -> Tried:
-    """Search the numbers of a model with the smallest position error.
-
-    Args:
-        window_s: s between restarts from the measured motion; None: whole logs.
-        starts: numbers to start from.
-    """
+    """Search the numbers of a model with the smallest position error from some starts, with
+    `window_s` s between restarts from the measured motion; None: whole logs."""
     objective = Objective(vector, courses, window_s, starts[0])
     costs = [_cost(objective, start) for start in starts]
     # starts nearly as good as the best one
@@ -157,11 +149,7 @@ def refine(
     courses: Sequence[Course],
     progress: Callable[[str], None] = lambda text: None,
 ) -> Refined:
-    """Refine all numbers of a fitted model by the motion of its logs.
-
-    Args:
-        courses: the logs it was fitted to.
-    """
+    """Refine all numbers of a fitted model by the motion of the logs that it was fitted to."""
     cov = stated_covariance(prepared, fitted)
     begins = [fitted, *without_stribeck(prepared, fitted)]
     armature = courses[0].run.load.armature
@@ -226,12 +214,7 @@ class RefinedModel:
 
     @classmethod
     def of(cls, outcome: Refined, loops: Loops | None, slide: bool, scaled: bool) -> "RefinedModel":
-        """From a refinement, used or not.
-
-        Args:
-            scaled: whether the gain of the drive is determined; otherwise all is in units of the
-                drive.
-        """
+        """From a refinement, used or not; in units of the drive unless its gain is determined."""
         numbers = outcome.found
         whole = numbers.vector.fit(numbers.values)
         cov = numbers.vector.own_covariance(whole, numbers.cov)

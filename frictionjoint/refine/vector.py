@@ -72,8 +72,7 @@ class Vector:
         at = self.layout.shape
         size[at] = np.maximum(size[at], 1.0)
         error = np.where(np.isfinite(error), error, np.inf)
-        # an inertia's error is one of the whole, and what a delay leaves of it in the balance
-        # says little of it
+        # an inertia's error is one of the whole, of which a delay leaves little in the balance
         for i in self._inertias:
             size[i] = max(size[i], max(inertia_of(s.signals, LOAD) for s in prepared.segments))
             error[i] = np.inf

@@ -111,13 +111,8 @@ class ClosedLoop:
 def courses_of(
     logs: Sequence[JointLog], bodies: Sequence[RigidBody], controller: Controller
 ) -> tuple[Course, ...]:
-    """Logs prepared for simulation.
-
-    Args:
-        bodies: one per log.
-    Raises:
-        LogError: a log has no target, or lacks metadata that the controller needs.
-    """
+    """Logs, with a body each, prepared for simulation; LogError: a log has no target, or lacks
+    metadata that the controller needs."""
     found = []
     for log, body in zip(logs, bodies, strict=True):
         if log.target is None:
@@ -131,12 +126,8 @@ def courses_of(
 def driven_courses(
     logs: Sequence[JointLog], bodies: Sequence[RigidBody], prepared: Prepared, window_s: float
 ) -> tuple[Course, ...]:
-    """Logs prepared for simulation by their measured drive, in windows.
-
-    Args:
-        bodies: one per log. prepared: the logs, in this order, with the samples that count.
-        window_s: s between restarts from the measured motion.
-    """
+    """Logs, with a body each, prepared for simulation by their measured drive, with `window_s` s
+    between restarts from the measured motion; `prepared` has the samples that count."""
     block, found = np.zeros(BLOCK), []
     block[MEASURED] = 1.0
     for log, body, segment in zip(logs, bodies, prepared.segments, strict=True):
@@ -273,11 +264,8 @@ def closed_loop(courses: Sequence[Course], fitted: Fit) -> ClosedLoop:
 
 
 def found_controller(controller: Controller, fitted: Fit, scaled: bool) -> Controller:
-    """The controller with the values found by a fit.
-
-    Args:
-        scaled: whether the logs determine the torque of the drive, and so an unknown kp.
-    """
+    """The controller with the values found by a fit, also of an unknown kp if it is `scaled`: the
+    logs determine the torque of the drive."""
     found: dict[str, Any] = {}
     for term in changing_drive(fitted.terms):
         found |= term.figures(replace(controller, **found))

@@ -31,8 +31,7 @@ from frictionjoint.simulate.motor import Motor, add_motor
 class Replay:
     """Free runs of a model."""
 
-    # position error, m or rad, one array per log, NaN where nothing was simulated, infinite in runs
-    # that became unstable
+    # of position, m or rad, per log; NaN where nothing was simulated, infinite in unstable runs
     errors: tuple[Array, ...]
     travel: float  # largest measured travel of a log, m or rad
 
@@ -117,10 +116,7 @@ def inertia_error(fitted: Fit) -> float:
 
 def friction_spec(spec: mujoco.MjSpec, joint: str, fitted: Fit) -> None:
     """Put a fitted model into a spec: law, effects, armature, and the motor of a voltage-driven
-    joint.
-
-    Native friction of the joint is removed.
-    """
+    joint. Native friction of the joint is removed."""
     target = spec.joint(joint)
     target.frictionloss = 0.0
     target.damping = np.zeros_like(target.damping)
@@ -185,11 +181,7 @@ def simulated_whole(fitted: Fit, armature: float, in_closed_loop: bool = False) 
 
 
 def replay(prepared: Prepared, body: RigidBody | Sequence[RigidBody], fitted: Fit) -> Replay:
-    """Simulate the windows of all logs of one joint.
-
-    Args:
-        body: that the logs were prepared with, or one per log.
-    """
+    """Simulate the windows of all logs of one joint with their body, or one per log."""
     bodies = [body] * len(prepared) if isinstance(body, RigidBody) else body
     found: list[Array] = []
     for one, some in itertools.groupby(
@@ -206,12 +198,8 @@ def replay_joints(
     fits: Mapping[str, Fit],
     poses: Mapping[str, Sequence[float]],
 ) -> Replay:
-    """Simulate the windows of all logs, all joints together.
-
-    Args:
-        spec: gets the friction of the joints. logs: of each log its driven joints.
-        poses: positions of joints that no log contains.
-    """
+    """Simulate the windows of all logs, each with its driven joints, all joints together; the spec
+    gets their friction, and joints that no log contains are in their poses."""
     for joint, fitted in fits.items():
         friction_spec(spec, joint, fitted)
     model = spec.compile()

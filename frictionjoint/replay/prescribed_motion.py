@@ -14,8 +14,8 @@ class Prescribed:
     def __init__(
         self, model: mujoco.MjModel, data: mujoco.MjData, motion: Mapping[str, Sequence[Array]]
     ) -> None:
-        """`motion`: position, velocity and acceleration by name, (n,) each; joints that the model
-        does not contain are left out."""
+        """From position, velocity and acceleration by name, (n,) each; joints that the model lacks
+        are left out."""
         ids = {n: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, n) for n in motion}
         names = [n for n, j in ids.items() if j >= 0]
         joints = [ids[n] for n in names]
@@ -44,10 +44,7 @@ class Free:
     """Joints that are free to move; all others have the accelerations in the data.
 
     Inverse dynamics with zero acceleration of the free joints gives the torque of everything else;
-    the difference to the applied torque accelerates them.
-
-    Attributes:
-        dt: time step, s.
+    the difference to the applied torque accelerates them. `dt` is the time step, s.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: list[int]) -> None:

@@ -143,8 +143,7 @@ class Windows:
 
 
 def _resampled(s: Segment, time: Array) -> Array:
-    """Position, velocity, acceleration, temperature, drive, whether it acts, and mask at times,
-    shape (7, n)."""
+    """Position and its derivatives, temperature, drive, whether it acts, and mask, (7, n)."""
     columns = (*(s.signals[:, k] for k in (Q, V, A, TEMP)), s.drive, s.driven, s.mask)
     return np.array([np.interp(time, s.signals[:, TIME], x.astype(float)) for x in columns])
 
