@@ -28,6 +28,16 @@ Change = Callable[[Array, float], tuple[Array, float]]
 Output = Callable[[AllCommands, Array, Array], Array]
 
 
+def changed_controller(
+    changes: Sequence[Change], block: Array, delay: float
+) -> tuple[Array, float]:
+    """Block and delay of a controller after some changes in order."""
+    block = block.copy()
+    for change in changes:
+        block, delay = change(block, delay)
+    return block, delay
+
+
 @dataclass(frozen=True)
 class Commanded:
     """Commands of a log, and the filters that lead to its drive on the uniform grid of a fit, s."""
@@ -59,13 +69,8 @@ class CommandedLogs:
 
     def output(self, of: Output, changes: Sequence[Change]) -> Array:
         """An output of all logs' controllers after changes, filtered on the fit's grids, (n,)."""
-        blocks, delays = [], []
-        for log in self._logs:
-            block, delay = log.block.copy(), log.delay
-            for change in changes:
-                block, delay = change(block, delay)
-            blocks.append(block)
-            delays.append(delay)
+        pairs = (changed_controller(changes, log.block, log.delay) for log in self._logs)
+        blocks, delays = zip(*pairs, strict=True)
         made = of(self._commands, np.array(blocks), np.array(delays))
         parts = np.split(made, self._commands.edges[1:-1])
         each = zip(self._grids, self._logs, parts, strict=True)

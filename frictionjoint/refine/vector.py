@@ -73,9 +73,11 @@ class Vector:
         size[at] = np.maximum(size[at], 1.0)
         error = np.where(np.isfinite(error), error, np.inf)
         # an inertia's error is one of the whole, of which a delay leaves little in the balance
-        for i in self._inertias:
-            size[i] = max(size[i], max(inertia_of(s.signals, LOAD) for s in prepared.segments))
-            error[i] = np.inf
+        for i, term in enumerate(fitted.terms):
+            if term.effect.is_inertia:
+                at = self.layout.coefficients(i)
+                whole = max(inertia_of(s.signals, LOAD) for s in prepared.segments)
+                size[at], error[at] = np.maximum(size[at], whole), np.inf
         self.unit: Array = np.clip(PRIOR_ERRORS * error, 0.05 * size, PRIOR_SIZE * size)
         # a lag of nothing in the balance is as open as when in its steps a simulation acts
         for i, term in enumerate(fitted.terms):
@@ -95,40 +97,26 @@ class Vector:
         return np.asarray(np.clip(found, self.low, self.high))
 
     def _bounds(self, prepared: Prepared) -> tuple[Array, Array]:
-        low, high = [], []
-        if self.has_gain:
-            low, high = [-np.inf], [np.inf]
+        pairs = [(-np.inf, np.inf)] * self.has_gain
         names = self.fitted.names[self.has_gain : len(self.layout.base)]
         # a law has a level, however small
-        low += [1e-6 * self.fitted.target_rms if name == "Fc" else 0.0 for name in names]
-        high += [np.inf] * len(names)
+        least_level = 1e-6 * self.fitted.target_rms
+        pairs += [(least_level if name == "Fc" else 0.0, np.inf) for name in names]
         for term in self.fitted.terms:
             bounds = () if term.effect.of_inertia else term.effect.bounds
-            free = ((-np.inf, np.inf),) * len(term.coefficients)
-            if term.effect.is_inertia:
-                free = ((-self.armature, np.inf),)
-            for least, most in bounds or free:
-                low.append(least)
-                high.append(most)
-        least_law, most_law = self.fitted.shape.bounds(prepared.bounding_speed, prepared.span)
-        low += list(least_law)
-        high += list(most_law)
+            least = -self.armature if term.effect.is_inertia else -np.inf
+            pairs += bounds or ((least, np.inf),) * len(term.coefficients)
+        of_law = self.fitted.shape.bounds(prepared.bounding_speed, prepared.span)
+        pairs += zip(*of_law, strict=True)
         for term in self.fitted.terms:
             # a length, a speed or a frequency is not zero
             limits, scale = term.limits, 1e-3
             if isinstance(term, DriveTiming):  # a simulation knows no torque before its cause
                 limits, scale = ((0.0, 0.05),), 0.0
             for x, (least, most) in zip(term.free_shape, limits, strict=True):
-                low.append(max(least, scale * x) if least == 0.0 else least)
-                high.append(most)
-        return np.array(low), np.array(high)
-
-    @property
-    def _inertias(self) -> list[int]:
-        """Indices of the numbers that are inertias."""
-        terms = enumerate(self.fitted.terms)
-        own = [i for i, t in terms if t.effect.is_inertia]
-        return [self.layout.coefficients(i).start for i in own]
+                pairs.append((max(least, scale * x) if least == 0.0 else least, most))
+        low, high = np.array(pairs).T
+        return low, high
 
     @property
     def names(self) -> tuple[str, ...]:

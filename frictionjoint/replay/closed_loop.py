@@ -19,7 +19,7 @@ from frictionjoint.control.kernel_numbers import block_of, delay_of, supply_of
 from frictionjoint.control.profile import held, held_over
 from frictionjoint.effects.signals import TIME
 from frictionjoint.errors import LogError
-from frictionjoint.identify.bundle import Change
+from frictionjoint.identify.bundle import Change, changed_controller
 from frictionjoint.identify.fit import Fit
 from frictionjoint.identify.result import law_parameters
 from frictionjoint.identify.rigid_body import RigidBody
@@ -62,9 +62,7 @@ class Course:
         """The same run with a controller changed by effects of the drive."""
         if not changes:
             return self.run
-        block, delay = self.run.block.copy(), self.delay
-        for change in changes:
-            block, delay = change(block, delay)
+        block, delay = changed_controller(changes, self.run.block, self.delay)
         step = self.run.step
         steps = self.time[0] + step * np.arange(len(self.run.target)) - delay
         # of a delay that is not given no tick is known, either: the mean over all that it may be

@@ -77,14 +77,12 @@ def simulated_effects(fitted: Fit) -> list[SimulatedEffect]:
     An inertia error becomes armature, back-EMF becomes part of the motor. A saturation stays an
     effect: the callback subtracts it from the actuator force.
     """
-    found = []
-    for i, term in enumerate(fitted.terms):
-        if isinstance(term, EffectTerm) and not (
-            term.effect.opposes_voltage or term.effect.is_inertia or term.effect.drive
-        ):
-            values = tuple(float(x) for x in fitted.term_coefficients(i))
-            found.append(SimulatedEffect(term.effect, term.shape, values))
-    return found
+    return [
+        SimulatedEffect(term.effect, term.shape, tuple(fitted.term_coefficients(i).tolist()))
+        for i, term in enumerate(fitted.terms)
+        if isinstance(term, EffectTerm)
+        and not (term.effect.opposes_voltage or term.effect.is_inertia or term.effect.drive)
+    ]
 
 
 def friction_of(fitted: Fit) -> JointFriction:
