@@ -63,19 +63,11 @@ class Balance(NamedTuple):
         return part._replace(block=_blocks(len(part.drive)))
 
 
-class _Load(NamedTuple):
-    """Factors of the model's gravity and inertia in the drive, each of shape (2,); 0 without an
-    error for a missing one, such as gravity about a vertical axis."""
-
-    factors: Array
-    errors: Array
-
-
 def check_signs(prepared: Prepared) -> None:
     """Check that friction takes power from the joint, and that gravity and inertia are not
     reversed, whatever else the model lacks; LogError: a sign is wrong."""
     balance = _balance(prepared)
-    _check_signs(prepared, balance, _load_factors(balance))
+    _check_signs(prepared, balance, *_load_factors(balance))
 
 
 def check(prepared: Prepared) -> None:
@@ -84,17 +76,17 @@ def check(prepared: Prepared) -> None:
     balance = _balance(prepared)
     if not balance.drive.any():
         raise LogError(f"{prepared.names}: the {prepared.drive} is zero: check its column")
-    load = _load_factors(balance)
-    _check_signs(prepared, balance, load)
+    factors, errors = _load_factors(balance)
+    _check_signs(prepared, balance, factors, errors)
     left = _left(balance, prepared.gain_unknown)
     if left > MOST_LEFT:
         raise LogError(_unexplained(prepared, left, _hint(prepared, balance)))
     # A unit is wrong if gravity and inertia are both ten times the model's or more, and agree
     # within a factor of two. One alone may be too small in a model, without the gripper of a wrist
     # or the inertia of its motor.
-    alike = load.factors.max() < 2.0 * load.factors.min()
-    if not prepared.gain_unknown and np.min(load.factors - SURE * load.errors) > 10.0 and alike:
-        raise LogError(_too_large(prepared, float(load.factors.mean())))
+    alike = factors.max() < 2.0 * factors.min()
+    if not prepared.gain_unknown and np.min(factors - SURE * errors) > 10.0 and alike:
+        raise LogError(_too_large(prepared, float(factors.mean())))
 
 
 def unexplained_fraction(prepared: Prepared) -> float:
@@ -135,7 +127,7 @@ def load_shows(fitted: Fit) -> bool:
     return "load" not in fitted.names or not fitted.bound[fitted.names.index("load")]
 
 
-def _check_signs(prepared: Prepared, balance: Balance, load: _Load) -> None:
+def _check_signs(prepared: Prepared, balance: Balance, factors: Array, errors: Array) -> None:
     """Check the signs of the load and of friction, in every log and in all together.
 
     The balance of one log may be wrong by more than its standard errors, for example if gravity and
@@ -144,8 +136,8 @@ def _check_signs(prepared: Prepared, balance: Balance, load: _Load) -> None:
     """
     if prepared.gain_unknown:
         _check_drive_changes(prepared)
-    if np.max(load.factors + SURE * load.errors) < 0.0:
-        gravity, inertia = load.factors
+    if np.max(factors + SURE * errors) < 0.0:
+        gravity, inertia = factors
         why = (
             f"the drive matches the model with opposite sign (gravity x {gravity:.3g}, inertia x "
             f"{inertia:.3g})"
@@ -226,12 +218,14 @@ def _left(b: Balance, gain_unknown: bool) -> float:
     return float(nnls(X / size, target)[1] / np.linalg.norm(b.drive))
 
 
-def _load_factors(b: Balance) -> _Load:
-    """Load factors from a balance that also contains friction and a constant torque."""
+def _load_factors(b: Balance) -> tuple[Array, Array]:
+    """Factors of the model's gravity and inertia in the drive, and their errors, shape (2,) each,
+    from a balance that also contains friction and a constant torque; 0 without an error for a
+    missing one, such as gravity about a vertical axis."""
     gravity = b.gravity @ _solved(np.column_stack([b.a, b.gravity]), b.load)[1:]
     X = np.column_stack([gravity, b.load - gravity, b.one, b.side, b.v])
     beta, cov = _regression(X, b.drive, b.block)
-    return _Load(beta[:2], np.sqrt(np.diag(cov)[:2]))
+    return beta[:2], np.sqrt(np.diag(cov)[:2])
 
 
 def _hint(prepared: Prepared, b: Balance) -> str:
