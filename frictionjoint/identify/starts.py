@@ -87,7 +87,7 @@ def _first_look(
 
     Forms are damped if a linear fit with damping has less than half of the residual, because no
     search without damping approaches such a contact. Weaker damping is added later, see
-    `last_freedoms`.
+    `base_fit.with_last_freedoms`.
     """
     basis, top = LawBasis(prepared), prepared.top_speed
     # each linear fit determines the weights for the next
