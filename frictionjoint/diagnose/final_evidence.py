@@ -44,7 +44,10 @@ def final_evidence(state: State, rng: np.random.Generator) -> tuple[Finding, ...
         # what keeps its evidence is not judged by it
         weak = [s for s, f in zip(seen, found, strict=True) if s is not f and not _is_supported(s)]
         if not weak:
-            return tuple(_tied(f, unsure) for f in seen)
+            # effects whose sizes are not determined are tied: each is a cause of that
+            for term in unsure:
+                seen = [f.tied_with(term) if f.term in unsure else f for f in seen]
+            return tuple(seen)
         least = min(weak, key=lambda f: f.row.frequency).term
         state.left_out[least.name] = "most parts of the data do not confirm it"
         state.prepared, state.fit = reweighed(state.prepared, without(state, least))
@@ -90,14 +93,6 @@ def _unsure(state: State) -> dict[Term, float]:
     more than the joint's friction."""
     beyond = dict.fromkeys(exceeding_friction(state.fit), 0.0)
     return undetermined(state.prepared, state.fit) | beyond
-
-
-def _tied(finding: Finding, unsure: list[Term]) -> Finding:
-    """A finding of an effect with undetermined size, tied with the effects that cause this."""
-    if finding.term in unsure:
-        for other in unsure:
-            finding = finding.tied_with(other)
-    return finding
 
 
 def _of_terms(state: State) -> list[Finding]:

@@ -68,14 +68,6 @@ def total_torque(P: Vector, e: int, sig: Vector, X: Vector, x: int, each: int) -
     return total
 
 
-@compiled
-def _centred(out: Array) -> None:
-    """Means over the interval before each sample, converted to means around each sample."""
-    for k in range(len(out) - 1):
-        for c in range(out.shape[1]):
-            out[k, c] = 0.5 * (out[k, c] + out[k + 1, c])
-
-
 # releases the GIL: a search computes columns in parallel
 @compiled
 def _fill(effect_id: int, numbers: Array, signals: Array, out: Array) -> None:
@@ -89,7 +81,10 @@ def _fill(effect_id: int, numbers: Array, signals: Array, out: Array) -> None:
             sig = pointer(signals, k * signals.shape[1])
             out[k, c] = effect_torque(effect_id, P, start, sig, X, start)
     if effect_id == 19:
-        _centred(out)
+        # means over the interval before each sample become means around each sample
+        for k in range(len(out) - 1):
+            for c in range(out.shape[1]):
+                out[k, c] = 0.5 * (out[k, c] + out[k + 1, c])
 
 
 def torques(effect_id: int, shape: tuple[float, ...], coefficients: Array, signals: Array) -> Array:

@@ -198,7 +198,9 @@ def _missing(s: Summary) -> str:
             text += f"; also in the model, but not supported by these logs: {listed(unsure)}"
     if s.laws[0] != s.laws[1]:
         text += f"; the friction law is {s.laws[1]} instead of {s.laws[0]}"
-    if sure and s.role == "held_out" and not _falls(s):
+    stated = {e.quantity for e in s.errors if not e.quantity.endswith(", rms")}
+    falls = any(s.change(name) in ("falls", "falls by") for name in stated)
+    if sure and s.role == "held_out" and not falls:
         text += "; on held-out logs the error falls by no more than chance explains"
     if sure and s.change("position") == "rises":
         text += "; the simulated position, however, gets worse"
@@ -228,12 +230,6 @@ def _dependences(s: Summary, residual: str = "The residual") -> str:
         if v in s.causes:
             texts.append(f"{s.causes[v].rstrip('.')} ({share:.0%} of the squared residual).")
     return "".join(f" {text}" for text in texts)
-
-
-def _falls(s: Summary) -> bool:
-    """Whether any stated error falls by more than chance."""
-    names = {e.quantity for e in s.errors if not e.quantity.endswith(", rms")}
-    return any(s.change(n) in ("falls", "falls by") for n in names)
 
 
 def _error_line(s: Summary) -> str:
