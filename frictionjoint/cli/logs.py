@@ -200,13 +200,9 @@ def reads_logs(*also: str) -> Callable[[Callable[..., None]], Callable[..., None
     """Give a command the options of `LogOptions` in place of its parameter ``options``, of those
     that not every command has (`_OPTIONAL`) the named ones."""
     names = [name for name in _TYPES if name not in _OPTIONAL or name in also]
+    kind = inspect.Parameter.KEYWORD_ONLY
     own = [
-        inspect.Parameter(
-            name,
-            inspect.Parameter.KEYWORD_ONLY,
-            default=getattr(NO_OPTIONS, name),
-            annotation=_TYPES[name],
-        )
+        inspect.Parameter(name, kind, default=getattr(NO_OPTIONS, name), annotation=_TYPES[name])
         for name in names
     ]
 
@@ -217,8 +213,7 @@ def reads_logs(*also: str) -> Callable[[Callable[..., None]], Callable[..., None
 
         shown: list[inspect.Parameter] = []
         for parameter in inspect.signature(command).parameters.values():
-            keyword = parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY)
-            shown += own if parameter.name == "options" else [keyword]
+            shown += own if parameter.name == "options" else [parameter.replace(kind=kind)]
         run.__signature__ = inspect.Signature(shown)  # type: ignore[attr-defined]
         run.__annotations__ = {x.name: x.annotation for x in shown}
         return run

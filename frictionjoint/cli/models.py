@@ -178,12 +178,9 @@ def _all_joints(
     unnamed = [joint.parent.name or "without a name" for joint in joints if not joint.name]
     if unnamed:
         joint = "1 joint has" if len(unnamed) == 1 else f"{len(unnamed)} joints have"
-        warnings.warn(
-            f"--all: {joint} no name and no friction, of body {few(unnamed)}: "
-            "name them in the model to give them friction",
-            RuntimeWarning,
-            stacklevel=2,
-        )
+        text = f"--all: {joint} no name and no friction, of body {few(unnamed)}"
+        fix = "name them in the model to give them friction"
+        warnings.warn(f"{text}: {fix}", RuntimeWarning, stacklevel=2)
     return friction
 
 

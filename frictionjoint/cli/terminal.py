@@ -36,15 +36,10 @@ def progress() -> Iterator[Callable[[str], None]]:
     """A line on stderr: the current step, its progress, and the remaining time, both where a
     message counts ("4 of 12", "4/12"), from the counted steps so far."""
     err = Console(stderr=True)
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        TaskProgressColumn(),
-        TimeRemainingColumn(),
-        TimeElapsedColumn(),
-    )
+    columns = SpinnerColumn(), TextColumn("{task.description}"), TaskProgressColumn()
+    times = TimeRemainingColumn(), TimeElapsedColumn()
     shown = Progress(
-        *columns,
+        *(*columns, *times),
         console=err,
         transient=True,
         disable=not err.is_terminal,

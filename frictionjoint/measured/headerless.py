@@ -54,13 +54,9 @@ def bare_columns(path: Path, names: Iterable[str]) -> dict[str, Array]:
     separator = _separator(first)
     try:
         with path.open(encoding="utf-8-sig") as file:
-            table = np.loadtxt(
-                file if separator == "," else (x.replace(",", ".") for x in file),
-                delimiter=separator,
-                comments=_REMARKS,
-                usecols=None if in_rows else which,
-                ndmin=2,
-            )
+            lines = file if separator == "," else (x.replace(",", ".") for x in file)
+            at = None if in_rows else which
+            table = np.loadtxt(lines, comments=_REMARKS, delimiter=separator, usecols=at, ndmin=2)
     except ValueError as error:
         raise LogError(f"{path.name}: {one_line(error)}") from None
     chosen = table[which] if in_rows else table.T

@@ -78,9 +78,8 @@ class JointLog:
         for name, x in self.arrays().items():
             expect(x, np.ndarray, f"{self.name}: {name}", "give a numpy array, np.asarray(x)")
             if x.ndim != 1 or x.shape != n:
-                raise LogError(
-                    f"{self.name}: {name} has shape {x.shape}, time {n}: make them equal"
-                )
+                shapes = f"{name} has shape {x.shape}, time {n}"
+                raise LogError(f"{self.name}: {shapes}: make them equal")
             if not np.isfinite(x).all():
                 i = int(np.argmin(np.isfinite(x)))
                 raise LogError(f"{self.name}, sample {i}, {name}: {x[i]}, give a number")

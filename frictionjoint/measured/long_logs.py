@@ -47,12 +47,8 @@ def _shorter(log: JointLog, most: int) -> JointLog:
         short = replace(short.part(slice(0, most), ""), before=short.before)
         done.append(f"first {short.duration:.4g} s")
     text = ", ".join(done)
-    warnings.warn(
-        f"{log.name}: {n} rows are too many for a fit, it uses: {text}; cut the log to choose "
-        "other rows",
-        LongLogWarning,
-        stacklevel=3,
-    )
+    what = f"{n} rows are too many for a fit, it uses: {text}; cut the log to choose other rows"
+    warnings.warn(f"{log.name}: {what}", LongLogWarning, stacklevel=3)
     return replace(short, name=f"{log.name} ({text})")
 
 

@@ -35,7 +35,7 @@ from frictionjoint.measured.table import log_of
 from frictionjoint.measured.text_layout import layout_of
 from frictionjoint.measured.validate import check_finite
 
-_EMPS = ["t", "qm", "qg", "vir"]
+_EMPS = {"time_s": "t", "position_m": "qm", "target_m": "qg", "force_n": "vir"}
 _ODRIVE_RAD_PER_COUNT = 2 * np.pi / 8192
 _PANDA = tuple(f"joint{i}" for i in range(1, 8))
 # numbers per sample in each file
@@ -50,23 +50,19 @@ _K[5, 4] = 32.0
 
 def is_emps(names: list[str]) -> bool:
     """Whether a .mat file has the variable names of the EMPS."""
-    return {*_EMPS, "gtau"} <= set(names)
+    return {*_EMPS.values(), "gtau"} <= set(names)
 
 
 def read_emps(path: Path) -> JointLog:
     there = mat_names(path)
     scalars = [name for name in ("gtau", "kp", "kv") if name in there]
-    raw = mat_columns(path, [*_EMPS, *scalars])
+    raw = mat_columns(path, [*_EMPS.values(), *scalars])
     for name in scalars:
         if raw[name].size != 1:
             raise LogError(f"{path.name}, {name}: {raw[name].size} numbers, one is needed")
     gains: dict[str, float] = {name: float(raw[name][0]) for name in scalars}
-    columns = {
-        "time_s": raw["t"],
-        "position_m": raw["qm"],
-        "target_m": raw["qg"],
-        "force_n": gains["gtau"] * raw["vir"],
-    }
+    columns = {ours: raw[theirs] for ours, theirs in _EMPS.items()}
+    columns["force_n"] = gains["gtau"] * columns["force_n"]
     return replace(log_of(path, "joint", columns), metadata=gains)
 
 

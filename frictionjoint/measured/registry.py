@@ -84,8 +84,7 @@ def _fetched(data: DataSet) -> Path:
         try:
             shelf.fetch(file)
         except (OSError, ValueError) as error:  # requests' errors are OSErrors
-            raise LogError(
-                f"{data.name}: {file} could not be fetched from {data.source}: {one_line(error)}: "
-                "check the network, or set FRICTIONJOINT_DATA to a local folder"
-            ) from None
+            what = f"{file} could not be fetched from {data.source}: {one_line(error)}"
+            fix = "check the network, or set FRICTIONJOINT_DATA to a local folder"
+            raise LogError(f"{data.name}: {what}: {fix}") from None
     return folder

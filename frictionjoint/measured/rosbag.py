@@ -94,10 +94,9 @@ def _read_fields(
                 found[ours].append(value.ravel())
                 sizes.append(value.size)
             if len(set(sizes)) > 1:
-                raise LogError(
-                    f"{path.name}: the fields of a message have {min(sizes)} to {max(sizes)} "
-                    "numbers: name parts of the same length, e.g. position[0]"
-                )
+                what = f"the fields of a message have {min(sizes)} to {max(sizes)} numbers"
+                fix = "name parts of the same length, e.g. position[0]"
+                raise LogError(f"{path.name}: {what}: {fix}")
             if "time_s" not in mapping:
                 found["time_s"].append(np.full(sizes[0], 1e-9 * _nanoseconds(message, recorded)))
     except LogError:
@@ -154,10 +153,11 @@ def _commanded(path: Path, message: Any, order: list[str]) -> Iterator[tuple[str
     """Joints of a command, or `order`, with positions; LogError if their numbers differ."""
     if hasattr(message, "data"):
         if len(order) != len(message.data):
-            raise LogError(
-                f"{path.name}: a command has {len(message.data)} numbers without names, but "
-                f"{len(order)} names are given: give --column joints=NAME,NAME in that order"
+            what = (
+                f"a command has {len(message.data)} numbers without names, but {len(order)} names"
             )
+            fix = "give --column joints=NAME,NAME in that order"
+            raise LogError(f"{path.name}: {what} are given: {fix}")
         pairs = zip(order, message.data, strict=True)
     elif hasattr(message, "joint_names"):
         # called desired before ROS 2 Iron

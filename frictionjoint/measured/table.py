@@ -113,15 +113,12 @@ def log_of(
         kept = np.flatnonzero(~empty)
         data = {name: x[kept] for name, x in data.items()}
         if len(kept) < FEWEST_ROWS <= len(empty):
-            raise LogError(
-                f"{path.name}: only {len(kept)} of {len(empty)} rows have no empty cell: put "
-                "signals with different times in one file each, with --join, or interpolate them"
-            )
+            what = f"only {len(kept)} of {len(empty)} rows have no empty cell"
+            fix = "put signals with different times in one file each, with --join, or interpolate"
+            raise LogError(f"{path.name}: {what}: {fix} them")
         if empty.any():
-            dropped = (
-                f"{path.stem}: {int(empty.sum())} of {len(empty)} rows with an empty cell or NaN "
-                "were left out.",
-            )
+            rows = f"{int(empty.sum())} of {len(empty)} rows with an empty cell or NaN"
+            dropped = (f"{path.stem}: {rows} were left out.",)
 
     def row(i: int) -> int:
         """Number of a sample's row in the file, as an editor counts it."""

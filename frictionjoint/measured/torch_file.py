@@ -24,16 +24,9 @@ from frictionjoint.errors import LogError
 from frictionjoint.measured.arrays import one_line, whole
 
 # classes of storages, and what their numbers are; a half has no digits to spare for a log
-_STORAGES = {
-    "DoubleStorage": "f8",
-    "FloatStorage": "f4",
-    "HalfStorage": "f2",
-    "LongStorage": "i8",
-    "IntStorage": "i4",
-    "ShortStorage": "i2",
-    "CharStorage": "i1",
-    "ByteStorage": "u1",
-}
+_STORAGES = {"DoubleStorage": "f8", "FloatStorage": "f4", "HalfStorage": "f2"}
+_STORAGES |= {"LongStorage": "i8", "IntStorage": "i4", "ShortStorage": "i2"}
+_STORAGES |= {"CharStorage": "i1", "ByteStorage": "u1"}
 # types of the numbers of an array of numpy
 _NUMBERS = re.compile(r"[iu][1248]|f[248]|b1")
 
@@ -52,18 +45,14 @@ def read_tensors(path: Path) -> dict[str, Array]:
             with zipfile.ZipFile(path) as archive:
                 content = _load(path, archive)
         except pickle.UnpicklingError as error:
-            raise LogError(
-                f"{path.name}: contains more than tensors and plain containers "
-                f"({one_line(error)}): save a dict of tensors"
-            ) from None
+            what = f"contains more than tensors and plain containers ({one_line(error)})"
+            raise LogError(f"{path.name}: {what}: save a dict of tensors") from None
         except zipfile.BadZipFile as error:
-            raise LogError(
-                f"{path.name}: not a file of torch.save since PyTorch 1.6 ({one_line(error)})"
-            ) from None
+            what = f"not a file of torch.save since PyTorch 1.6 ({one_line(error)})"
+            raise LogError(f"{path.name}: {what}") from None
     if not isinstance(content, dict):
-        raise LogError(
-            f"{path.name}: contains a {type(content).__name__}, not a dict of tensors: save a dict"
-        )
+        kind = type(content).__name__
+        raise LogError(f"{path.name}: contains a {kind}, not a dict of tensors: save a dict")
     arrays = {n: x.numbers if isinstance(x, _Array) else x for n, x in content.items()}
     return {
         str(name): np.asarray(x, dtype=np.float64)
@@ -113,10 +102,8 @@ class _Unpickler(pickle.Unpickler):
         # never compressed by torch: no small file becomes a large one
         stored = info.compress_type == zipfile.ZIP_STORED
         if not stored or info.file_size != count * dtype.itemsize:
-            raise LogError(
-                f"{self.path.name}: storage {member} has {info.file_size} bytes instead of "
-                f"{count * dtype.itemsize}: is the file complete?"
-            )
+            sizes = f"has {info.file_size} bytes instead of {count * dtype.itemsize}"
+            raise LogError(f"{self.path.name}: storage {member} {sizes}: is the file complete?")
         return _Storage(np.frombuffer(self.archive.read(info), dtype))
 
 

@@ -19,41 +19,16 @@ from frictionjoint.errors import LogError
 _TURN = 2.0 * math.pi
 _COUNTS = "counts"
 # factor to SI, by the quantity and the spelling of the unit in lower case without blanks
-TIME = {
-    "s": 1.0,
-    "sec": 1.0,
-    "ms": 1e-3,
-    "millisec": 1e-3,
-    "us": 1e-6,
-    "µs": 1e-6,
-    "ns": 1e-9,
-    "min": 60.0,
-}
+TIME = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "millisec": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+TIME |= {"min": 60.0}
 _ANGLE = {"rad": 1.0, "mrad": 1e-3, "deg": _TURN / 360.0, "rev": _TURN, "turn": _TURN}
 _LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": inch}
-_TURNING = {
-    "rad/s": 1.0,
-    "mrad/s": 1e-3,
-    "deg/s": _TURN / 360.0,
-    "rpm": _TURN / 60.0,
-    "rev/s": _TURN,
-    "rps": _TURN,
-    "hz": _TURN,
-    "dps": _TURN / 360.0,
-}
+_TURNING = {"rad/s": 1.0, "mrad/s": 1e-3, "deg/s": _TURN / 360.0, "rpm": _TURN / 60.0}
+_TURNING |= {"rev/s": _TURN, "rps": _TURN, "hz": _TURN, "dps": _TURN / 360.0}
 _TRAVELLING = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "um/s": 1e-6}
-_TORQUE = {
-    "nm": 1.0,
-    "mnm": 1e-3,
-    "ncm": 1e-2,
-    "knm": 1e3,
-    "kgfcm": g * 1e-2,
-    "kgcm": g * 1e-2,
-    "kgfm": g,
-    "ozin": lbf / 16.0 * inch,
-    "lbin": lbf * inch,
-    "lbft": lbf * inch * 12.0,
-}
+_TORQUE = {"nm": 1.0, "mnm": 1e-3, "ncm": 1e-2, "knm": 1e3}
+_TORQUE |= {"kgfcm": g * 1e-2, "kgcm": g * 1e-2, "kgfm": g}
+_TORQUE |= {"ozin": lbf / 16.0 * inch, "lbin": lbf * inch, "lbft": lbf * inch * 12.0}
 _FORCE = {"n": 1.0, "mn": 1e-3, "kn": 1e3, "kgf": g, "lbf": lbf}
 _VOLTAGE, _CURRENT = {"v": 1.0, "mv": 1e-3}, {"a": 1.0, "ma": 1e-3}
 _TEMPERATURE = {"c": 1.0, "degc": 1.0, "k": 1.0, "f": 5.0 / 9.0, "degf": 5.0 / 9.0}

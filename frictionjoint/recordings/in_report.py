@@ -64,12 +64,8 @@ def with_recordings(
             symbol = number.name.partition(" ")[0]
             unit = f" {unit_of(symbol, report.slide)}" if number.of_law else ""
             said.append(_sentence(number.words, between, unit))
-    return replace(
-        report,
-        recordings=tuple(rows),
-        posterior=replace(known.posterior, factor=np.hstack(columns)),
-        notes=(*report.notes, *said),
-    )
+    posterior, notes = replace(known.posterior, factor=np.hstack(columns)), (*report.notes, *said)
+    return replace(report, recordings=tuple(rows), posterior=posterior, notes=notes)
 
 
 def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
@@ -82,10 +78,9 @@ def _known(report: "Report", fixed: Mapping[str, Pose] | None) -> Known:
         )
     corrected = [x.effect for x in report.added if x.effect in _MEASURED]
     if corrected:
-        raise ParameterError(
-            "the comparison uses the measured drive, and this result corrects it "
-            f"({', '.join(map(title, corrected))})."
-        )
+        what = ", ".join(map(title, corrected))
+        uses = "the comparison uses the measured drive"
+        raise ParameterError(f"{uses}, and this result corrects it ({what}).")
     return Known(report.mjcf, report.joint, posterior, fixed, report.bandwidth_hz)
 
 

@@ -93,9 +93,7 @@ def close_loop_robot(
     tasks = {
         n: Task(
             *(n, logs.fit[n], logs.held_out[n], model, how.fixed, how.seed, how.law),
-            controller=controller_of(how.controller, n, [compiled]),
-            refine=how.refine,
-            ends=logs.ends,
+            *(controller_of(how.controller, n, [compiled]), how.refine, logs.ends),
         )
         for n in logs.joints
     }
@@ -188,24 +186,18 @@ def _replay(model: Model, joints: Mapping[str, Fitted], poses: Mapping[str, list
 
 
 def _stated(shared: Settled, done: Mapping[str, Explained]) -> tuple[SharedCause, ...]:
-    found = shared.found
-    causes = tuple(
-        SharedCause(
-            cause=found.causes[i].name,
-            place=found.causes[i].place,
-            parameters=_estimates(found, i, shared.covariance[i]),
-            evidence=choice.evidence,
-            joints={n: (x.without[i], x.with_all) for n, x in done.items() if i in x.without},
-        )
-        for i, choice in enumerate(shared.choices)
-    )
+    causes = []
+    for i, choice in enumerate(shared.choices):
+        cause, numbers = shared.found.causes[i], _estimates(shared.found, i, shared.covariance[i])
+        own = {n: (x.without[i], x.with_all) for n, x in done.items() if i in x.without}
+        causes.append(SharedCause(cause.name, cause.place, numbers, choice.evidence, own))
     for common, choice in shared.common:
         # a joint whose own search has dropped the effect shares it no longer
         own = {n: pair for n, x in done.items() if (pair := _own(x, common.term.name))}
         if len(own) > 1:
             place, evidence = {"common_to": ", ".join(own)}, choice.evidence
-            causes += (SharedCause(common.term.name, place, common.parameters, evidence, own),)
-    return causes
+            causes.append(SharedCause(common.term.name, place, common.parameters, evidence, own))
+    return tuple(causes)
 
 
 def _own(joint: Explained, effect: str) -> tuple[Rms, Rms] | None:

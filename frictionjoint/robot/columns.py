@@ -88,12 +88,8 @@ def own_effects(joint: FittedJoint, clock: Clock, own: Callable[[str], bool]) ->
     # an effect that explains less than 2% of the joint's squares does not compete
     most = dict.fromkeys(wanted, 0.02 * float(e @ e))
     columns: dict[str, Array] = {}
-    for candidate in effects(
-        joint.prepared,
-        joint.fit,
-        clock.blocks(joint),
-        lambda effect: effect.name in wanted and not effect.delays,
-    ):
+    fitted = joint.prepared, joint.fit, clock.blocks(joint)
+    for candidate in effects(*fitted, lambda effect: effect.name in wanted and not effect.delays):
         name = candidate.term.name
         x = candidate.columns * joint.fit.weight[:, None]
         x = x - base @ (base.T @ x)
@@ -114,16 +110,11 @@ def gram_of(joint: FittedJoint, columns: Array, at: Columns, clock: Clock) -> Jo
     indices in the stack."""
     fitted = joint.fit
     unit = (fitted.weight / joint.left)[:, None]
-    grams = joint_gram(
-        law_columns(joint) / joint.left,
-        columns * unit,
-        joint.residual * unit[:, 0],
-        clock.of_sample(joint),
-        clock.count,
-    )
+    block, law = clock.of_sample(joint), law_columns(joint) / joint.left
+    grams = joint_gram(law, columns * unit, joint.residual * unit[:, 0], block, clock.count)
     friction = root_mean_square(fitted.friction * fitted.weight)
     squares: Array = joint.unreached / joint.left**2
-    beyond = np.bincount(clock.of_sample(joint), squares, clock.count).astype(float)
+    beyond = np.bincount(block, squares, clock.count).astype(float)
     return JointGram(joint.name, len(fitted.residual), grams, at, joint.left, friction, beyond)
 
 

@@ -98,16 +98,8 @@ class Explained:
     def __init__(self, joint: Corrected) -> None:
         task = joint.task
         body = RigidBody(joint.model, task.joint, task.fixed)
-        found = explain(
-            task.logs,
-            task.held_out,
-            Bodies.one(body),
-            task.seed,
-            law=task.law,
-            controller=task.controller,
-            refine=task.refine,
-            ends=task.ends,
-        )
+        options = task.seed, (lambda _: None), task.law, task.controller, task.refine, task.ends
+        found = explain(task.logs, task.held_out, Bodies.one(body), *options)
         trace, report = found.trace, found.report
         after = Fitted(trace.prepared, found.kept_back, trace.final)
         self.without: dict[int, Rms] = {}

@@ -13,6 +13,8 @@ from frictionjoint.arrays import Array
 from frictionjoint.robot.causes.cause import FREE, POSITIVE, Cause
 from frictionjoint.robot.corrections import Corrections, Shaft, tendon_polynomial
 
+_UNITS = {"level": "N m", "viscous": "N m s/rad", "concave": "N m s/rad", "inertia": "kg m^2"}
+
 
 @dataclass(frozen=True)
 class GearCoupling(Cause):
@@ -53,14 +55,9 @@ class GearCoupling(Cause):
 
     def values(self, state: Corrections, x: Array) -> dict[str, tuple[float, str]]:
         """Losses, inertia and ratio of the shaft, and its wave if it has one."""
-        found = {
-            "level": (float(x[0]), "N m"),
-            "viscous": (float(x[1]), "N m s/rad"),
-            "concave": (float(x[2]), "N m s/rad"),
-            "inertia": (float(x[3]), "kg m^2"),
-            "ratio": (self.shaft.ratio, "1"),
-            "top": (self.shaft.top, "rad/s"),
-        }
+        units = zip(_UNITS.items(), x.tolist(), strict=False)
+        found = {name: (value, unit) for (name, unit), value in units}
+        found |= {"ratio": (self.shaft.ratio, "1"), "top": (self.shaft.top, "rad/s")}
         if self.shaft.waves:
             found["wave"] = float(np.hypot(*x[4:])), "N m"
             found["waves"] = self.shaft.waves, "1/rad"
