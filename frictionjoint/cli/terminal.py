@@ -39,7 +39,8 @@ def progress() -> Iterator[Callable[[str], None]]:
     columns = SpinnerColumn(), TextColumn("{task.description}"), TaskProgressColumn()
     times = TimeRemainingColumn(), TimeElapsedColumn()
     shown = Progress(
-        *(*columns, *times),
+        *columns,
+        *times,
         console=err,
         transient=True,
         disable=not err.is_terminal,

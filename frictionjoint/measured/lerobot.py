@@ -51,10 +51,9 @@ def read_lerobot(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     if unit is not None:
         units.setdefault("position", unit)
     if unit_of(f"{joint}.position_rad", units) is None:
-        raise LogError(
-            f"{path.name}: its unit is not in the data set: give --unit position=deg or "
-            "position=rad; if positions go from -100 to 100, record them again with use_degrees"
-        )
+        fix = "give --unit position=deg or position=rad"
+        fix += "; if positions go from -100 to 100, record them again with use_degrees"
+        raise LogError(f"{path.name}: its unit is not in the data set: {fix}")
     check_units(units)
     path, episode = folder, numbered or episode
     info = _info(path)

@@ -163,8 +163,7 @@ def _require_list(name: str, logs: Any) -> None:
     if isinstance(logs, JointLog | str | Path):
         raise TypeError(f"{name} is one log: give a list, [log]")
     if isinstance(logs, Mapping) or not hasattr(logs, "__len__"):
-        raise TypeError(
-            f"{name} is of type {type(logs).__name__}: give a list of paths or of JointLog"
-        )
+        kind = type(logs).__name__
+        raise TypeError(f"{name} is of type {kind}: give a list of paths or of JointLog")
     for log in logs:
         expect(log, (JointLog, str, Path), name, "a log is a path or a JointLog")

@@ -186,10 +186,9 @@ def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
     if np.all(np.abs(distance - period) < 0.02 * period + 2.0 * rest):
         return period
     i = int(at[0])
-    raise LogError(
-        f"{source}, {name}: jumps from {x[i]:.4g} to {x[i + 1]:.4g} in one sample at "
-        f"{time[i + 1]:.6g} s: repair it, or give the range it wraps at, --wrap RANGE"
-    )
+    leaps = f"from {x[i]:.4g} to {x[i + 1]:.4g} in one sample at {time[i + 1]:.6g} s"
+    fix = "repair it, or give the range it wraps at, --wrap RANGE"
+    raise LogError(f"{source}, {name}: jumps {leaps}: {fix}")
 
 
 def without_repeats(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:

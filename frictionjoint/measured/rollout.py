@@ -102,9 +102,8 @@ def _read(
     gains = {name: arrays[name] for name in _GAINS if name in arrays}
     for name, x in gains.items():
         if x.shape != (count,):
-            raise LogError(
-                f"{path.name}: {name} has shape {x.shape}: give one number per joint, {count}"
-            )
+            what = f"{name} has shape {x.shape}"
+            raise LogError(f"{path.name}: {what}: give one number per joint, {count}")
     names = written or [f"joint_{i + 1}" for i in range(count)]
     if given is not None:
         names = [name.strip() for name in given.split(",")]

@@ -153,11 +153,9 @@ def _commanded(path: Path, message: Any, order: list[str]) -> Iterator[tuple[str
     """Joints of a command, or `order`, with positions; LogError if their numbers differ."""
     if hasattr(message, "data"):
         if len(order) != len(message.data):
-            what = (
-                f"a command has {len(message.data)} numbers without names, but {len(order)} names"
-            )
+            has = f"{len(message.data)} numbers without names, but {len(order)} names are given"
             fix = "give --column joints=NAME,NAME in that order"
-            raise LogError(f"{path.name}: {what} are given: {fix}")
+            raise LogError(f"{path.name}: a command has {has}: {fix}")
         pairs = zip(order, message.data, strict=True)
     elif hasattr(message, "joint_names"):
         # called desired before ROS 2 Iron

@@ -107,8 +107,9 @@ def _rows_by_name(files: Sequence[Path], mapping: Mapping[str, str]) -> dict[str
             called = f"{file.stem}[{int(name) - 1}]" if bare and len(names) > 1 else name
             called = file.stem if called.isdecimal() else called
             if called in places:
-                fix = "rename an array or a file"
-                raise LogError(f"{file.name}: {called!r} is in two files: {fix}")
+                raise LogError(
+                    f"{file.name}: {called!r} is in two files: rename an array or a file"
+                )
             places[called] = file, name
     return places
 

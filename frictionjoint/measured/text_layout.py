@@ -51,9 +51,8 @@ class Layout:
             title = _header_line(some, title)
             before, text = title + 1, some[title]
         if not text.strip() or "\0" in text:
-            raise LogError(
-                f"{file}, row {title + 1}: no header in UTF-8 text, give column names there"
-            )
+            fix = "give column names there"
+            raise LogError(f"{file}, row {title + 1}: no header in UTF-8 text, {fix}")
         separator = _separator(text)
         names = [cell.strip() for cell in next(csv.reader([text], delimiter=separator))]
         units: list[str] = []

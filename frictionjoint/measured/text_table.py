@@ -96,10 +96,9 @@ def _rows(path: Path, layout: Layout, first: int, lines: list[str]) -> list[tupl
         for cells in reader:
             number = first + reader.line_num - 1
             if cells and len(cells) != wide:
-                raise LogError(
-                    f"{path.name}, row {number}: {len(cells)} cell{'s' * (len(cells) != 1)}, the "
-                    f"header has {wide}: complete the row or leave it out"
-                )
+                what = f"{len(cells)} cell{'s' * (len(cells) != 1)}, the header has {wide}"
+                fix = "complete the row or leave it out"
+                raise LogError(f"{path.name}, row {number}: {what}: {fix}")
             if cells:
                 made.append((number, cells))
     except csv.Error as fault:

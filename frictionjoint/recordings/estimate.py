@@ -166,10 +166,9 @@ class _Part:
 
     def __init__(self, log: JointLog) -> None:
         if all(getattr(log, kind) is None for kind in DRIVES):
-            raise LogError(
-                f"{log.name}: no measured drive, and no controller with known kp and supply: the "
-                "comparison of recordings needs one of them."
-            )
+            what = "no measured drive, and no controller with known kp and supply"
+            needs = "the comparison of recordings needs one of them."
+            raise LogError(f"{log.name}: {what}: {needs}")
         _, position, dt = on_a_grid(log)
         self.log = log
         self.corner = motion_band(position, dt).whole

@@ -79,9 +79,8 @@ def possible(phi: Array) -> bool:
 def write(body: mujoco.MjsBody, phi: Array) -> None:
     """Give a body of a spec these parameters; ModelError if no physical body has them."""
     if not possible(phi):
-        raise ModelError(
-            f"body {body.name!r}: mass {phi[0]:.4g} kg and its moments belong to no possible body"
-        )
+        what = f"mass {phi[0]:.4g} kg and its moments belong to no possible body"
+        raise ModelError(f"body {body.name!r}: {what}")
     mass, centre, own = about_centre(phi)
     body.explicitinertial = True
     body.mass, body.ipos = mass, centre
