@@ -203,9 +203,8 @@ def _fix(prefix: str, table: Iterable[str], joint: str, drive: str = "torque_nm"
                 wanted, likely = "current_a", currents
             own = wanted if wanted == "time_s" else f"{prefix}{wanted}"
             name = likely[0] if len(likely) == 1 else unknown
-            parts.append(
-                f"--column {own}={name}" if " " not in name else f"--column '{own}={name}'"
-            )
+            quote = "'" if " " in name else ""
+            parts.append(f"--column {quote}{own}={name}{quote}")
             unit = re.split(r"[_\[(]", name)[-1].rstrip("])")
             if is_foreign(wanted, unit):
                 parts.append(f"--unit {quantity_of(wanted)}={unit}")

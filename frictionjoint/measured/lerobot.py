@@ -64,11 +64,8 @@ def read_lerobot(path: Path, joint: str | None, how: ReadOptions) -> JointLog:
     widths |= {x: len(positions) for x in _MORE if _width(info, x) == len(positions)}
     time, more = _episode(path, info, episode, widths)
     state, action = more[_STATE], more[_ACTION]
-    data = {
-        "time_s": time,
-        "position_rad": state[:, positions.index(joint)],
-        "target_rad": action[:, targets.index(joint)],
-    }
+    data = {"time_s": time, "position_rad": state[:, positions.index(joint)]}
+    data["target_rad"] = action[:, targets.index(joint)]
     for feature, ours in _MORE.items():
         if feature in more:
             data[ours] = more[feature][:, positions.index(joint)]

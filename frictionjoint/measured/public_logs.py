@@ -133,12 +133,8 @@ def _read_tx40(folder: Path, joint: str | None) -> JointLog:
         raise LogError(f"{folder.name}: {sizes}")
     position, torque = np.linalg.solve(_K, motor.T), _K.T @ current.T
     own = _TX40.index(name)
-    columns = {
-        "time_s": np.arange(len(motor)) / 5000.0,
-        "position_rad": position[own],
-        "motor_position_rad": motor[:, own].copy(),
-        "torque_nm": torque[own],
-    }
+    columns = {"time_s": np.arange(len(motor)) / 5000.0, "position_rad": position[own]}
+    columns |= {"motor_position_rad": motor[:, own].copy(), "torque_nm": torque[own]}
     columns |= {f"{_TX40[i]}.position_rad": position[i] for i in range(6) if i != own}
     return log_of(folder, name, columns)
 

@@ -185,9 +185,8 @@ def _with_target(
     known = at >= 0
     if not known.any():
         late = f"{given[0] - found[-1, 0]:.3g} s after the last position"
-        raise LogError(
-            f"{path.name}, {joint}: the first command comes {late}: do both use one clock?"
-        )
+        what = f"the first command comes {late}"
+        raise LogError(f"{path.name}, {joint}: {what}: do both use one clock?")
     found[known, _TARGET] = np.array([x for _, x in commands])[at[known]]
     return found[known]
 

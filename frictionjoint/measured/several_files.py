@@ -107,9 +107,8 @@ def _rows_by_name(files: Sequence[Path], mapping: Mapping[str, str]) -> dict[str
             called = f"{file.stem}[{int(name) - 1}]" if bare and len(names) > 1 else name
             called = file.stem if called.isdecimal() else called
             if called in places:
-                raise LogError(
-                    f"{file.name}: {called!r} is in two files: rename an array or a file"
-                )
+                fix = "rename an array or a file"
+                raise LogError(f"{file.name}: {called!r} is in two files: {fix}")
             places[called] = file, name
     return places
 

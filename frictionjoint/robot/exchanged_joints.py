@@ -33,10 +33,9 @@ def require_own_columns(tasks: Mapping[str, Task], fitted: Mapping[str, FittedJo
         as_is = fmean(left.values())
         opposite = fmean(_left(tasks[n], tasks[n], partial(_turned, name)) for n in left)
         if opposite < (1.0 - TIE) * as_is:
-            raise LogError(
-                f"the positions of {name!r} have the wrong sign: as they are, the model leaves "
-                f"{as_is:.0%} of the other joints' drives, reversed {opposite:.0%}: check them"
-            )
+            what = f"the positions of {name!r} have the wrong sign: as they are, the model leaves"
+            left_of_others = f"{as_is:.0%} of the other joints' drives, reversed {opposite:.0%}"
+            raise LogError(f"{what} {left_of_others}: check them")
     doubtful = [name for name, x in left.items() if x > _MUCH]
     for name in doubtful:
         task = tasks[name]
