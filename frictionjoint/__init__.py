@@ -24,13 +24,13 @@ if TYPE_CHECKING:
     from frictionjoint.simulate.carrier import install as install
     from frictionjoint.simulate.carrier import load_model as load_model
     from frictionjoint.simulate.check import check as check
-    from frictionjoint.simulate.mass_matrix import mass_matrix as mass_matrix
     from frictionjoint.simulate.set_parameters import forget as forget
     from frictionjoint.simulate.set_parameters import set_parameters as set_parameters
     from frictionjoint.simulate.thermal import set_temperature as set_temperature
     from frictionjoint.simulate.thermal import set_warmth as set_warmth
     from frictionjoint.simulate.thermal import temperature as temperature
     from frictionjoint.simulate.thermal import warmth as warmth
+    from frictionjoint.simulate.torque import mass_matrix as mass_matrix
     from frictionjoint.simulate.torque import remembered as remembered
     from frictionjoint.simulate.torque import torque as torque
     from frictionjoint.simulate.uninstall import uninstall as uninstall
@@ -49,10 +49,9 @@ _NAMES = {
     "simulate.attach": "attach disable enable",
     "simulate.carrier": "install load_model",
     "simulate.check": "check",
-    "simulate.mass_matrix": "mass_matrix",
     "simulate.set_parameters": "forget set_parameters",
     "simulate.thermal": "set_temperature set_warmth temperature warmth",
-    "simulate.torque": "remembered torque",
+    "simulate.torque": "mass_matrix remembered torque",
     "simulate.uninstall": "uninstall",
     "simulate.warp": "attach_warp",
 }

@@ -10,8 +10,8 @@ from test_early_checks import stages
 
 import frictionjoint as fj
 from frictionjoint.errors import ModelError
+from frictionjoint.export.presliding import yield_springs
 from frictionjoint.export.run import export
-from frictionjoint.export.yielding import yield_springs
 from frictionjoint.law.motion import friction_torque
 from frictionjoint.rivals import StaticParameters
 

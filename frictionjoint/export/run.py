@@ -14,15 +14,13 @@ from frictionjoint.arrays import Array
 from frictionjoint.describe import effect_texts
 from frictionjoint.effects.catalogue import CATALOGUE
 from frictionjoint.errors import ModelError
-from frictionjoint.export import c, scripts, sliding
+from frictionjoint.export import c, presliding, scripts, sliding
 from frictionjoint.export.losses import Loss, losses
-from frictionjoint.export.lugre import add_lugre, lugre_friction, lugre_torque
 from frictionjoint.export.mjx import fit_for_mjx
 from frictionjoint.export.motion import Motion, log_motions, stated_motion
 from frictionjoint.export.sliding import PlainFriction, add_plain
 from frictionjoint.export.targets import FILES, Target
 from frictionjoint.export.urdf import urdf_text
-from frictionjoint.export.yielding import YieldSprings, add_yield_springs, yield_springs
 from frictionjoint.joint_friction import JointFriction
 from frictionjoint.law.motion import presliding_distance
 from frictionjoint.model_joints import is_slide, mass_at_start
@@ -131,13 +129,13 @@ def export(
     refused: list[str] = []
     add: Callable[[mujoco.MjSpec], mujoco.MjSpec] = partial(add_plain, friction=plain)
     if lugre:
-        fitted = {n: lugre_friction(friction[n].parameters, motions[n]) for n in motions}
-        actuators = {name: lugre_torque(fitted[name], motions[name]) for name in motions}
-        add = partial(add_lugre, lugre=fitted, plain=plain)
+        fitted = {n: presliding.lugre_friction(friction[n].parameters, motions[n]) for n in motions}
+        actuators = {name: presliding.lugre_torque(fitted[name], motions[name]) for name in motions}
+        add = partial(presliding.add_lugre, lugre=fitted, plain=plain)
     elif yielding:
         springs = _springs(bare, friction, plain)
         softened = {name: x.softened for name, x in springs.items()}
-        add = partial(add_yield_springs, springs=springs, plain=plain)
+        add = partial(presliding.add_yield_springs, springs=springs, plain=plain)
     if target in ("urdf", "newton", "isaac"):
         text, exported = _of_numbers(task, plain)
     else:
@@ -172,11 +170,14 @@ def _motions(
 
 def _springs(
     bare: mujoco.MjModel, friction: Mapping[str, JointFriction], plain: Mapping[str, PlainFriction]
-) -> dict[str, YieldSprings]:
+) -> dict[str, presliding.YieldSprings]:
     """Springs of each joint, soft enough for the time step."""
     free = 1.0 / np.diag(np.linalg.inv(mass_at_start(bare)))
     step = float(bare.opt.timestep)
-    made = {name: yield_springs(friction[name].parameters, p.coulomb) for name, p in plain.items()}
+    made = {
+        name: presliding.yield_springs(friction[name].parameters, p.coulomb)
+        for name, p in plain.items()
+    }
     dofs = {name: bare.joint(name).dofadr[0] for name in made}
     return {name: x.suited(step, float(free[dofs[name]])) for name, x in made.items()}
 

@@ -138,7 +138,7 @@ def native(m: Address, d: Address) -> None:
         law, effects = block + HEAD, block + int(P[block + EFFECTS])
         later = X[x + T_EVALUATED] != t
         entry = int(first_of[dof] + count_of[dof]) - 1
-        # without friction, see `mass_matrix`
+        # without friction, see `simulate.row`
         written = M[entry]
         if written == X[x + WRITTEN]:
             M[entry] = X[x + BASE]

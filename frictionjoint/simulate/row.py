@@ -14,7 +14,10 @@ motion: for example ``mujoco.rollout`` from states of increasing time, whose use
 of mjSTATE_FULLPHYSICS. The step is the model's, or that of the last evaluation where it was longer,
 so that the time step may change during a run.
 
-Over a step friction is TORQUE + GAIN w, with w the velocity at its end (``simulate.mass_matrix``).
+Over a step friction is TORQUE + GAIN w, with w the velocity at its end. That is MuJoCo's own step
+with the passive force -(TORQUE + GAIN v) and h GAIN more on the joint's diagonal entry of
+``mjData.M``. MuJoCo makes M anew in each position stage, and the callback may run several times on
+one. So an entry that still has the value with friction (WRITTEN) first becomes the base again.
 
 Row ``X[x:]``: STEP, the time step of the last evaluation (0 before the first); time, position,
 velocity, torque over the step without its GAIN, and GAIN, all five committed, then evaluated; the

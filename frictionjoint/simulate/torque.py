@@ -1,8 +1,9 @@
-"""What the data hold of each joint's friction: its torque with its parts, and its memory."""
+"""What data hold of friction: each joint's torque and memory, and the mass matrix without it."""
 
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
 
 from frictionjoint.arguments import require_data
 from frictionjoint.arrays import Array
@@ -19,7 +20,16 @@ from frictionjoint.simulate import block as slot
 from frictionjoint.simulate.attach import warn_if_idle
 from frictionjoint.simulate.block import blocks, effects_of
 from frictionjoint.simulate.carrier import read_friction, resolve
-from frictionjoint.simulate.row import FRONT, GAIN, STEP, T_EVALUATED, TORQUE, V_EVALUATED
+from frictionjoint.simulate.row import (
+    BASE,
+    FRONT,
+    GAIN,
+    STEP,
+    T_EVALUATED,
+    TORQUE,
+    V_EVALUATED,
+    WRITTEN,
+)
 from frictionjoint.simulate.thermal import temperature_of
 
 _NAMES = {float(effect.effect_id): effect.name for effect in SIMULATED}
@@ -165,3 +175,28 @@ def remembered(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Remember
             error=min(float(X[BOUND]), law.Fs_pos + law.Fs_neg),
         )
     return found
+
+
+def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """The mass matrix without friction, for a controller that needs it after a step.
+
+    Args:
+        model: with or without friction. data: of that model; unchanged.
+    Returns:
+        M(q) of the last position stage, armature included, shape (nv, nv), as ``mj_fullM`` returns
+        it without friction.
+    Raises:
+        ModelError: the data belong to another model. TypeError: no MjModel or MjData.
+    """
+    require_data(data, model, "mass_matrix")
+    entries, P, X = data.M.copy(), model.numeric_data, data.userdata
+    for block in resolve(model).values():
+        dof, row = int(P[block + slot.DOF]), int(P[block + slot.ROW])
+        diagonal = model.M_rowadr[dof] + model.M_rownnz[dof] - 1
+        if entries[diagonal] == X[row + WRITTEN]:
+            entries[diagonal] = X[row + BASE]
+    dense = np.zeros((model.nv, model.nv))
+    rows = np.repeat(np.arange(model.nv), model.M_rownnz)
+    dense[rows, model.M_colind] = entries
+    dense[model.M_colind, rows] = entries
+    return dense

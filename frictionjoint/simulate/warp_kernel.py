@@ -143,7 +143,7 @@ def build(with_effects: bool, motor: Any, header: int) -> tuple[tuple[Any, Any, 
         state: doubles,
         mass: wp.array2d(dtype=float),
     ):
-        """Take friction out of the mass matrix, see `simulate.mass_matrix`."""
+        """Take friction out of the mass matrix, see `simulate.row`."""
         k, world = wp.tid()
         x, dof = row_of(numbers, blocks, rows, k, world)
         entry = rowadr[dof] + rownnz[dof] - 1
