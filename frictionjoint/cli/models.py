@@ -150,7 +150,7 @@ def view(mjcf: Carrying) -> None:
 
     Example: `frictionjoint view arm_friction.xml`
     """
-    from frictionjoint.simulate.viewer import view as open_viewer
+    from frictionjoint.simulate.attach import view as open_viewer
 
     open_viewer(mjcf)
 

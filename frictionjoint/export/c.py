@@ -41,11 +41,9 @@ _ELSEWHERE = {"mechanism": "between motor and link", "sensors": "in the instrume
 
 @dataclass(frozen=True)
 class CJoint:
-    """One joint in the header: its name in C, and its numbers as text, each with a description.
-
-    Attributes:
-        effects: index at which the effects' numbers begin. state: doubles of memory.
-        surroundings: whether an effect needs more than the motion.
+    """One joint in the header: its name in C, and its numbers as text, each with a description;
+    where the effects' numbers begin, doubles of memory, and whether an effect needs more than the
+    motion.
     """
 
     name: str

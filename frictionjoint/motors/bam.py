@@ -31,14 +31,16 @@ from frictionjoint.structured_files import read_json
 _PLAIN = ("friction_base", "friction_viscous")
 _FALLING = ("friction_stribeck", "dtheta_stribeck", "alpha")
 _SIDES = ("load_friction_motor", "load_friction_external")
-_M5 = (*_PLAIN, *_FALLING, *_SIDES, *(f"{name}_stribeck" for name in _SIDES))
+_FALLING_SIDES = tuple(f"{name}_stribeck" for name in _SIDES)
+_SQUARED_SIDES = tuple(f"{name}_quad" for name in _SIDES)
+_M5 = (*_PLAIN, *_FALLING, *_SIDES, *_FALLING_SIDES)
 MODELS = {
     "m1": _PLAIN,
     "m2": (*_PLAIN, *_FALLING),
     "m3": (*_PLAIN, "load_friction_base"),
     "m4": (*_PLAIN, *_FALLING, "load_friction_base", "load_friction_stribeck"),
     "m5": _M5,
-    "m6": (*_M5, *(f"{name}_quad" for name in _SIDES)),
+    "m6": (*_M5, *_SQUARED_SIDES),
 }
 # rad/s over which BAM's standstill is drawn out, and rad over which a change of load is reached
 _STANDSTILL, _REACH = 1e-3, 1e-4
@@ -115,7 +117,7 @@ def from_bam(bam: BamParameters) -> tuple[JointFriction, tuple[str, ...]]:
         V0=_STANDSTILL,
     )
     load = 2.0 * f["load_friction_base"] + sum(f[name] for name in _SIDES)
-    falling = 2.0 * f["load_friction_stribeck"] + sum(f[f"{name}_stribeck"] for name in _SIDES)
+    falling = 2.0 * f["load_friction_stribeck"] + sum(f[name] for name in _FALLING_SIDES)
     effects: list[SimulatedEffect] = []
     if falling > 0.0:
         shape = (_REACH, f["dtheta_stribeck"])
@@ -169,11 +171,9 @@ def to_bam(
         "friction_stribeck": Fs - Fc,
         "dtheta_stribeck": Vs,
         "alpha": delta,
-        "load_friction_base": 0.5 * load,
-        "load_friction_stribeck": 0.5 * falling,
-        **{name: 0.5 * load for name in _SIDES},
-        **{f"{name}_stribeck": 0.5 * falling for name in _SIDES},
-        **{f"{name}_quad": 0.0 for name in _SIDES},
+        **dict.fromkeys(("load_friction_base", *_SIDES), 0.5 * load),
+        **dict.fromkeys(("load_friction_stribeck", *_FALLING_SIDES), 0.5 * falling),
+        **dict.fromkeys(_SQUARED_SIDES, 0.0),
     }
     if by_side["pos"] != by_side["neg"]:
         said.append("the difference between the directions: the mean is written")

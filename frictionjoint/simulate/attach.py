@@ -1,24 +1,26 @@
-"""Let friction act: for one model (`attach`), or for every model of the process (`enable`).
+"""Let friction act: for one model (`attach`), in the viewer, or in the whole process (`enable`).
 
 MuJoCo has one ``mjcb_passive``, and our kernel serves every model with friction. A callback that
 was there before is called first, at every evaluation, and is restored when the last hold ends. A
 model with friction that is stepped without our callback is named in a warning.
 """
 
+import importlib
 import warnings
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, cast
 
 import mujoco
 
 from frictionjoint.arguments import require_model
 from frictionjoint.compiled import PLAIN, c_address
-from frictionjoint.errors import ModelError
+from frictionjoint.errors import FrictionJointError, ModelError
 from frictionjoint.model_files import is_c
 from frictionjoint.simulate.block import ROW, blocks
-from frictionjoint.simulate.carrier import resolve
+from frictionjoint.simulate.carrier import load_model, resolve
 from frictionjoint.simulate.layout import LayoutMismatchError
 from frictionjoint.simulate.mechanism import require_flags
 from frictionjoint.simulate.native import CALLBACK, build_both, build_native, python_callback
@@ -144,6 +146,36 @@ def disable() -> None:
     """Undo `enable`; attached models keep their friction. Without `enable` it does nothing."""
     while _enabled:
         _release(_enabled.pop())
+
+
+def view(path: str | Path) -> None:
+    """Open the viewer on an MJCF with friction, until its window is closed.
+
+    Models that are dragged into the window have their friction too.
+
+    Raises:
+        ModelError: as `load_model`.
+        FrictionJointError: no viewer, or no display.
+    """
+    model = load_model(path)
+    try:
+        glfw = importlib.import_module("glfw")
+        viewer = importlib.import_module("mujoco.viewer")
+    except ImportError as error:
+        raise FrictionJointError(
+            f"MuJoCo's viewer cannot be loaded ({error}): pip install --force-reinstall mujoco glfw"
+        ) from None
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ready = glfw.init()
+    if not ready:
+        # MuJoCo would end the process here, with no word of where it came from
+        reason = f" ({'; '.join(str(w.message) for w in caught)})" if caught else ""
+        raise FrictionJointError(
+            f"the viewer finds no display{reason}: run it where windows can be opened"
+        )
+    with attach(model):
+        viewer.launch(model, mujoco.MjData(model))
 
 
 def require_callback(model: Any, caller: str = "MuJoCo") -> None:

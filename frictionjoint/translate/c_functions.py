@@ -34,23 +34,18 @@ _GLUE = "\N{NO-BREAK SPACE}"
 class Translation:
     """Kernels and all kernels that they call, as C.
 
+    Args:
+        functions: marked by `frictionjoint.compiled`. known: see `Kernel.read`.
     Attributes:
         made: each kernel, translated, by the Python function.
         gathered: definitions that the kernels require.
+    Raises:
+        ModelError: a construct that cannot be translated.
     """
 
     def __init__(
         self, functions: Iterable[Any], known: Known | None = None, dialect: Dialect = HEADER
     ) -> None:
-        """Translate kernels.
-
-        Args:
-            functions: marked by `frictionjoint.compiled`.
-            known: possible values of the numbers by which kernels select; branches for any other
-                value are left out.
-        Raises:
-            ModelError: a construct that cannot be translated.
-        """
         self.made: dict[Any, Expressions] = {}
         self._texts: list[str] = []
         self._known = known or {}
