@@ -35,9 +35,9 @@ class Hold:
     """A reason to keep the callback installed: an attached model, or `enable`.
 
     Attributes:
-        previous: the callback found at its start, None without one.
-        callback: the callback it installed. first: the user's callback within it, None without one.
-        kernel: ours within it. warned: whether a warning about a replaced callback was given.
+        previous: the callback found at its start, None without one. callback: that it installed.
+        first, kernel: the user's callback within it, None without one, and ours.
+        warned: whether a warning about a replaced callback was given.
     """
 
     previous: Any
@@ -226,11 +226,7 @@ def warn_if_idle(model: mujoco.MjModel, data: mujoco.MjData, found: dict[str, in
 
 
 def _hold(backend: Backend) -> Hold:
-    """Keep our callback installed until `release`; the user's own is called before it.
-
-    Raises:
-        ModelError: an unknown backend.
-    """
+    """Keep our callback installed until `_release`; the user's own is called before it."""
     kernel = _kernel(backend)
     _warn_if_replaced("from now on friction acts again, and the other one is called first")
     current = mujoco.get_mjcb_passive()
@@ -245,10 +241,8 @@ def _hold(backend: Backend) -> Hold:
 
 
 def _release(entry: Hold) -> None:
-    """Undo one hold. Holds may end in any order; one below the top passes its previous callback on.
-
-    A callback that other code installed over ours stays.
-    """
+    """Undo one hold, in any order: one below the top passes its previous callback on. A callback of
+    other code over ours stays."""
     _warn_if_replaced("the new callback stays")
     at = _holds.index(entry)
     del _holds[at]

@@ -84,11 +84,8 @@ def effects_of(P: Sequence[float] | Array, at: int) -> list[tuple[float, int]]:
 
 
 def have_rows(blocks: Sequence[Sequence[float]], nuserdata: int) -> bool:
-    """Whether `nuserdata` numbers of user data include the rows of all blocks of a model or spec.
-
-    Blocks that were added by ``MjSpec.attach`` have no rows, whatever user data the model has
-    itself.
-    """
+    """Whether `nuserdata` numbers of user data include the rows of all blocks of a model or spec;
+    blocks that were added by ``MjSpec.attach`` have none."""
     need = sum(rows_of_block(block) for block in blocks)
     known = (block[ROW] - 1 for block in blocks if block[RESOLVED] == 0.0 < block[ROW])
     return need <= nuserdata and all(own + need == nuserdata for own in known)

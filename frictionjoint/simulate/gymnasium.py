@@ -5,9 +5,8 @@
     gymnasium.make_vec("MyArm-v0", num_envs=8, wrappers=[Friction])
     Friction(environment, samples={"elbow": report.samples(1024)})   # another draw per episode
 
-The environment's MJCF contains the parameters. A reset of a ``MujocoEnv`` is ``mj_resetData``,
-which resets the friction too. ``frictionjoint.enable()`` serves every environment without a
-wrapper.
+The environment's MJCF contains the parameters. A reset of a ``MujocoEnv`` resets the friction too.
+``frictionjoint.enable()`` serves every environment without a wrapper.
 """
 
 from typing import Any
@@ -23,7 +22,6 @@ class Friction(gymnasium.Wrapper[Any, Any, Any, Any]):
     """Turn on the friction of a ``MujocoEnv``'s model until the environment closes.
 
     Args:
-        env: its model has friction.
         samples: parameter sets by name of the joint; each reset draws one per joint, and the
             numbers are ``info["friction_samples"]`` of the reset. The draws follow the seed of the
             reset and leave the environment's own random numbers unchanged.

@@ -107,10 +107,9 @@ def coupled_load(
 ) -> float:
     """Contribution of other joints and contacts to the load of a gear, N m.
 
-    It is the same for all calls at one time. The first call at a later time stores `others`, which
-    is computed from the accelerations and constraint forces that MuJoCo still stores from the last
-    step. At a start it is zero. The value is stored in the part of the memory of `effect` that this
-    effect does not use.
+    The first call at a later time stores `others`, which is computed from the accelerations and
+    constraint forces that MuJoCo still stores from the last step, in the part of the memory of
+    `effect` that this effect does not use. At a start it is zero.
     """
     at = x + row.FRONT + law_row_size(P, p) + MEMORY * effect + MEMORY - 1
     if later and X[x + row.T_EVALUATED] > X[x + row.T_COMMITTED]:

@@ -13,18 +13,10 @@ import mujoco
 import numpy as np
 from mujoco.introspect import ast_nodes, structs
 
+# names of MuJoCo's numbers in ctypes, where they differ from those in C
 _SCALARS = {
-    "int": ctypes.c_int,
-    "float": ctypes.c_float,
-    "double": ctypes.c_double,
-    "mjtNum": ctypes.c_double,
-    "mjtSize": ctypes.c_int64,
-    "mjtByte": ctypes.c_uint8,
-    "mjtBool": ctypes.c_bool,
-    "size_t": ctypes.c_size_t,
-    "uintptr_t": ctypes.c_size_t,
-    "uint64_t": ctypes.c_uint64,
-    "char": ctypes.c_char,
+    **{"mjtNum": "double", "mjtSize": "int64", "mjtByte": "uint8", "mjtBool": "bool"},
+    **{"uintptr_t": "size_t", "uint64_t": "uint64"},
 }
 _MODEL_FIELDS = """nv nnumeric nuserdata numeric_adr numeric_data opt jnt_bodyid jnt_axis M_rowadr
 M_rownnz dof_invweight0 dof_M0 dof_armature nu actuator_trntype actuator_trnid actuator_group
@@ -57,8 +49,9 @@ def _ctype(declared: Any) -> Any:
     if hasattr(declared, "fields"):
         return _structure(declared.fields)
     name = re.sub(r"^(const|struct|enum) ", "", declared.name)
-    if name in _SCALARS:
-        return _SCALARS[name]
+    scalar = getattr(ctypes, f"c_{_SCALARS.get(name, name)}", None)
+    if scalar is not None:
+        return scalar
     if name in structs.STRUCTS:
         return structure(name)
     if name.startswith("mjt"):

@@ -61,13 +61,8 @@ class Kernel:
         self._fresh = 0
 
     def read(self, known: Known | None = None, left_out: frozenset[str] = frozenset()) -> None:
-        """Read the body.
-
-        Args:
-            known: possible values of the numbers by which the kernel selects; branches for any
-                other value are left out.
-            left_out: source of statements to leave out.
-        """
+        """Read the body, without the statements whose source is in `left_out`, and without branches
+        for values that are not in `known`, the numbers by which the kernel selects."""
         doc = ast.get_docstring(self.tree)
         body = self._fold(self.tree.body[1:] if doc else self.tree.body, known or {}, left_out)
         self.body = plain(without_unread(body), iter(self._new_name, ""))

@@ -6,12 +6,9 @@ from collections.abc import Iterator
 
 
 def plain(body: list[ast.stmt], fresh: Iterator[str]) -> list[ast.stmt]:
-    """Split assignments, including ``x += y``, ``x = y = a``, ``x, y = a, b`` and ``x: int = a``.
-
-    ``x, y = f(a)`` stays as it is if x and y are names.
-
-    Args:
-        fresh: new names for values that must be kept until other values have been computed.
+    """Split assignments, including ``x += y``, ``x = y = a``, ``x, y = a, b`` and ``x: int = a``;
+    ``x, y = f(a)`` stays as it is if x and y are names. `fresh`: new names for values that must be
+    kept until other values have been computed.
     """
     made: list[ast.stmt] = []
     for node in body:

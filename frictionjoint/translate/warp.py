@@ -102,12 +102,8 @@ class _Function(Kernel):
     # statements
 
     def _block(self, body: list[ast.stmt], known: set[str], outside: set[str]) -> list[str]:
-        """Lines of a block.
-
-        Args:
-            known: names that have a value before the block; names that it sets are added.
-            outside: names that are used after the block.
-        """
+        """Lines of a block. `known`: names that have a value before the block; names that it sets
+        are added. `outside`: names that are used after it."""
         lines: list[str] = []
         for i, node in enumerate(body):
             after = names_in(ast.Module(body[i + 1 :], [])) | outside
