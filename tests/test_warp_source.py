@@ -22,7 +22,7 @@ def functions(text: str) -> dict[str, ast.FunctionDef]:
 def test_all_laws_and_effects_are_translated_callees_first():
     found = functions(source(KERNELS, 66))
     assert {f"law_{law}_step" for law in LAWS} <= set(found)
-    assert "effects_position_periodic_level_torque" in found
+    assert "effects_position_level_wave_torque" in found
     seen = set()
     for name, function in found.items():
         seen.add(name)
