@@ -72,11 +72,7 @@ def finish_search(
             alike = quantities_alike(state, blocks, i)
             for name, its in alike.items():
                 unexplained[name] = max(its, unexplained.get(name, 0.0))
-            hints += [
-                f"These logs do not show whether {term.name.removesuffix('_c')} or "
-                f"{name.removesuffix('_c')} is the cause, because both fit equally well."
-                for name in alike
-            ]
+            hints += [_alike_hint(term.name, name) for name in alike]
             if not state.prepared.gain_unknown and not isinstance(term, ExcessTerm):
                 unit, _ = units_of(state.fit, state.prepared.slide)
                 hints.append(term.says(state.fit.term_coefficients(i), unit))
@@ -146,6 +142,14 @@ def _settled(
     try_other_effects(state)
     settle_ties(state)
     return final_evidence(state, rng)
+
+
+def _alike_hint(one: str, other: str) -> str:
+    first, second = (name.removesuffix("_c") for name in (one, other))
+    return (
+        f"These logs do not show whether {first} or {second} is the cause, because both fit "
+        "equally well."
+    )
 
 
 def _unnamed_torque(before: Prepared, fitted: Fit, now: Prepared, named: Fit) -> tuple[Array, ...]:
