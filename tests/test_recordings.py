@@ -208,6 +208,7 @@ class Stated:
     recordings: tuple[dict, ...] = ()
     added: tuple[SimpleNamespace, ...] = ()
     bandwidth_hz: float = np.inf
+    unexplained: tuple[tuple[str, float], ...] = ()
 
     @classmethod
     def of(cls, k: Known) -> "Stated":
@@ -226,6 +227,9 @@ def test_a_report_states_what_differs_and_samples_spread_as_much() -> None:
     assert [x["log"] for x in rows["Fc"]["recordings"]] == [log.name for log in logs]
     assert "Between recordings, Coulomb friction varies by 0.05" in found.notes[0]
     assert " N m, " in found.notes[0]
+    assert "seem so" not in found.notes[0]
+    drifting = replace(stated, unexplained=(("time", 0.9),))
+    assert "seem so" in with_recordings(drifting, logs).notes[0]
     drawn = [x.parameters.Fc_pos for x in found.posterior.sample(300)]
     assert np.std(drawn) == pytest.approx(np.std(levels, ddof=1), rel=0.25)
     assert with_recordings(stated, logs[:2]) is stated

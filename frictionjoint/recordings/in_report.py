@@ -63,7 +63,7 @@ def with_recordings(
             columns.append(column)
             symbol = number.name.partition(" ")[0]
             unit = f" {unit_of(symbol, report.slide)}" if number.of_law else ""
-            said.append(_sentence(number.words, between, unit))
+            said.append(_sentence(number.words, between, unit, bool(report.unexplained)))
     posterior, notes = replace(known.posterior, factor=np.hstack(columns)), (*report.notes, *said)
     return replace(report, recordings=tuple(rows), posterior=posterior, notes=notes)
 
@@ -109,10 +109,12 @@ def _row(name: str, between: Between, found: Sequence[Estimates], i: int) -> dic
     }
 
 
-def _sentence(name: str, between: Between, unit: str) -> str:
+def _sentence(name: str, between: Between, unit: str, unexplained: bool) -> str:
     share = f", {between.deviation / abs(between.mean):.0%} of it" if between.mean else ""
     cause = f" Most of it depends on {between.cause} ({between.slope:.2g} per unit)."
     cause = cause if between.cause else ""
+    if unexplained:
+        cause += " The dependence that no known effect explains may only make it seem so."
     return (
         f"Between recordings, {name} varies by {between.deviation:.2g}{unit}{share} (standard "
         f"deviation, corrected for the error of each; p {between.p_value:.2g}).{cause} Samples of "
