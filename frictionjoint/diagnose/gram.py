@@ -158,9 +158,9 @@ def screen(fitted: Fit, blocks: Blocks, candidates: Sequence[Candidate] = ()) ->
     """Inner products of the columns of a fit and of candidates."""
     w = fitted.weight[:, None]
     layout, free = fitted.layout, fitted.open.copy()
-    # a coefficient on its bound may leave it next to an effect, and where a fold is missing
-    free[layout.linear] = True
     for i, term in enumerate(fitted.terms):
+        # of a term one on its bound acts too, and may leave it where a fold is missing
+        free[layout.coefficients(i)] = True
         # the derivative of a discontinuous torque by a shape number predicts no change of it
         if term.effect.leaps:
             free[layout.numbers(i)] = False
