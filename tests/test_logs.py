@@ -156,6 +156,15 @@ def test_readings_held_while_the_joint_moves_are_refused(tmp_path: Path) -> None
     assert "of the travel lies in jumps" in error
 
 
+def test_an_encoder_that_is_set_anew_is_refused(tmp_path: Path) -> None:
+    table = columns()
+    del table["velocity_rad_s"]
+    table["position_rad"][N // 2 :] += 0.3
+    error = error_of(write(tmp_path / "log.csv", table))
+    assert f"at {table['time_s'][N // 2 - 1]:g} s" in error
+    assert "set anew" in error
+
+
 @pytest.mark.parametrize(("factor", "said"), [(1.0, False), (0.97, False), (1.1, True)])
 def test_a_velocity_that_is_not_the_slope_is_said(factor: float, said: bool) -> None:
     c = columns()

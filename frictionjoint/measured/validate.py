@@ -39,6 +39,8 @@ FAR = 20.0
 # With fewer different readings a joint stands, on the edge of a count, or its encoder is too coarse
 # for any velocity.
 _FEWEST_READINGS = 20
+# rad/s^2 (m/s^2): no joint that friction matters to gets faster sooner
+_HARDEST = 1e4
 # No log measures these in a joint that moves, if they never change.
 _MUST_CHANGE = (*VELOCITIES, *MEASURED_DRIVES)
 
@@ -126,10 +128,19 @@ def require_motion(source: str, position: Array) -> None:
 
 
 def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
-    """Raise LogError if much of a position's travel, without repeated rows, happens in jumps."""
+    """Raise LogError if a position, without repeated rows, jumps, or much of its travel does."""
+    time = columns["time_s"]
     for name, x in columns.items():
-        held = name.rpartition(".")[2] in _SPEED_OF
-        leapt = _travel_leapt(columns["time_s"], x) if held else 0.0
+        if name.rpartition(".")[2] not in _SPEED_OF:
+            continue
+        i = _lone_jump(time, x)
+        if i is not None:
+            raise LogError(
+                f"{source}, {name}: jumps by {x[i + 1] - x[i]:.3g} within a sample at {time[i]:g} "
+                "s, as no joint moves: the encoder was set anew, or lost counts. Cut the log there "
+                "in two, or take the jump out of the positions after it"
+            )
+        leapt = _travel_leapt(time, x)
         # logs of servos at 50 Hz leap over up to 3%; where a bus loses messages it is most of it
         if leapt > 0.25:
             raise LogError(
@@ -140,10 +151,25 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
             )
 
 
+def _steps(time: Array, position: Array) -> Array:
+    """Distance from each sample to the next one, shape (n - 1,), zero over a gap."""
+    tick = np.diff(time)
+    return np.abs(np.diff(position)) * (tick <= LARGEST_GAP * float(np.median(tick)))
+
+
+def _lone_jump(time: Array, position: Array) -> int | None:
+    """Sample before the largest of a few jumps that no inertia allows, or None."""
+    step = _steps(time, position)
+    i = int(np.argmax(step))
+    # of 291 signals without a jump, the largest step was at most 1.5 times the second largest
+    largest = np.sort(step)[:-_FEWEST_READINGS:-1]
+    alone = np.any(largest[:-1] > 10.0 * largest[1:]) and largest[-1] > 0.0
+    return i if alone and step[i] > _HARDEST * (time[i + 1] - time[i]) ** 2 else None
+
+
 def _travel_leapt(time: Array, position: Array) -> float:
     """Fraction of travel in single samples with almost no motion around them; gaps do not count."""
-    tick = np.diff(time)
-    step = np.abs(np.diff(position)) * (tick <= LARGEST_GAP * float(np.median(tick)))
+    step = _steps(time, position)
     moved = step[step > 0.0]
     if not len(moved):
         return 0.0
