@@ -68,7 +68,7 @@ def test_a_lost_byte_of_the_bus_is_interpolated_and_said(tmp_path):
 def test_a_step_is_no_lost_byte(tmp_path):
     data = content()
     for entry in data["entries"][100:]:
-        entry["position"] += 1.5
+        entry["position"] += 0.5
     log = read(tmp_path, data)
     assert log.notes == ()
     positions = [entry["position"] for entry in data["entries"]]
