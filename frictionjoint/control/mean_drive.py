@@ -18,8 +18,8 @@ from frictionjoint.compiled import compiled, in_line, pointer, room
 from frictionjoint.control import kernel as k
 from frictionjoint.control.profile import area_until, fill_path, last_before
 
-# s of a sample, or a quarter of it if that is longer, in which the output is computed from the mean
-# error
+# s: a sample is divided into quarters, but into parts of at least this length; within a part the
+# output is computed from the mean error
 _PART_S = 2.5e-3
 
 

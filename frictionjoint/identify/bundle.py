@@ -22,6 +22,9 @@ from frictionjoint.effects.signals import LOAD, A, V
 from frictionjoint.identify.tracks import Tracks
 from frictionjoint.measured.lowpass import LowPass, LowPasses, Spectrum, places
 
+if TYPE_CHECKING:  # a prepared log bundles what it is made of
+    from frictionjoint.identify.segment import Segment
+
 # from block and delay of a controller to those of another one
 Change = Callable[[Array, float], tuple[Array, float]]
 # an output of several controllers, given their blocks and delays
@@ -78,10 +81,6 @@ class CommandedLogs:
         for smooth in self._filters:
             rows = smooth(rows)
         return np.asarray(rows[0])
-
-
-if TYPE_CHECKING:  # a prepared log bundles what it is made of
-    from frictionjoint.identify.segment import Segment
 
 
 # drives of the logs with each filter

@@ -161,24 +161,28 @@ def split_in_time(log: JointLog, fraction: float) -> tuple[JointLog, JointLog]:
     if min(cut, len(log.time) - cut) < FEWEST_ROWS:
         what = f"holding out {fraction:g} leaves a part under {FEWEST_ROWS} samples"
         raise LogError(f"{log.name}: {what}: record a longer log or hold out another part")
-    step = np.diff(log.time[: cut + 1])
-    gaps = np.flatnonzero(step > LARGEST_GAP * float(np.median(step))) + 1
+    gaps = np.flatnonzero(are_gaps(log.time[: cut + 1])) + 1
     since = int(gaps[-1]) if gaps.size else 0
     before = log.part(slice(since, cut), " (before)") if cut - since > 1 else None
     last = replace(log.part(slice(cut, None), " (last part)"), before=before)
     return log.part(slice(0, cut), " (first part)"), last
 
 
+def are_gaps(time: Array) -> NDArray[np.bool_]:
+    """Whether each step between samples at times of shape (n,) is a gap, shape (n - 1,)."""
+    step = np.diff(time)
+    return np.asarray(step > LARGEST_GAP * float(np.median(step)))
+
+
 def split_at_gaps(log: JointLog) -> list[JointLog]:
     """The parts of a log between gaps, with a note on gaps; LogError if none is long enough."""
-    step = np.diff(log.time)
-    at = np.flatnonzero(step > LARGEST_GAP * float(np.median(step))) + 1
+    at = np.flatnonzero(are_gaps(log.time)) + 1
     if not at.size:
         return [log]
     ends = [0, *(int(i) for i in at), len(log.time)]
     stretches = list(itertools.pairwise(ends))
     long = [(a, b) for a, b in stretches if b - a >= FEWEST_ROWS]
-    where = f"{step[at[0] - 1]:.3g} s at {log.time[at[0]]:.6g} s"
+    where = f"{log.time[at[0]] - log.time[at[0] - 1]:.3g} s at {log.time[at[0]]:.6g} s"
     many = "" if at.size == 1 else f" and {at.size - 1} more"
     if not long:
         what = f"gaps ({where}{many}) leave no part of {FEWEST_ROWS} samples"

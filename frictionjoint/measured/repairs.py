@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError
 from frictionjoint.measured.columns import MEASURED_DRIVES, POSITIONS, TARGET_OF, VELOCITIES
-from frictionjoint.measured.log import LARGEST_GAP
+from frictionjoint.measured.log import LARGEST_GAP, are_gaps
 
 # Ranges that encoders and motor drives wrap at, rad: turns, and the +-12.5 rad of common drives.
 _RANGES = (2 * np.pi, 4 * np.pi, 8 * np.pi, 25.0)
@@ -166,10 +166,10 @@ def unwrapped(
 
 def _range_of(source: str, name: str, x: Array, time: Array) -> float | None:
     """Range by which a position jumps; None if it does not jump."""
-    step, tick = np.diff(x), np.diff(time)
+    step = np.diff(x)
     size = np.abs(step)
     # a leap goes over 80% of all travel in one sample, four times as far as any other
-    leap = (size > 0.8 * float(np.ptp(x))) & (tick <= LARGEST_GAP * float(np.median(tick)))
+    leap = (size > 0.8 * float(np.ptp(x))) & ~are_gaps(time)
     rest = float(size[~leap].max(initial=0.0))
     # a position that stands but for a count leaps by no more than its other steps
     leap &= size > 4.0 * rest

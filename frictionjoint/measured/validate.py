@@ -7,7 +7,7 @@ import numpy as np
 from frictionjoint.arrays import Array
 from frictionjoint.errors import LogError, NoMotionError
 from frictionjoint.measured.columns import MEASURED_DRIVES, POSITIONS, TARGET_OF, VELOCITIES
-from frictionjoint.measured.log import FEWEST_ROWS, LARGEST_GAP
+from frictionjoint.measured.log import FEWEST_ROWS, are_gaps
 from frictionjoint.measured.units import TIME
 
 # Row number of sample i in the file, as an editor counts it. Called only for an error.
@@ -39,8 +39,10 @@ FAR = 20.0
 # With fewer different readings a joint stands, on the edge of a count, or its encoder is too coarse
 # for any velocity.
 _FEWEST_READINGS = 20
-# rad/s^2 (m/s^2): no joint that friction matters to gets faster sooner
+# rad/s^2 (m/s^2): no joint accelerates faster
 _HARDEST = 1e4
+# jumps of one position that may come from its encoder; more of them are a motion
+_MOST_JUMPS = 18
 # No log measures these in a joint that moves, if they never change.
 _MUST_CHANGE = (*VELOCITIES, *MEASURED_DRIVES)
 
@@ -133,14 +135,16 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
     for name, x in columns.items():
         if name.rpartition(".")[2] not in _SPEED_OF:
             continue
-        i = _lone_jump(time, x)
+        # distance from each sample to the next one; over a gap it says nothing
+        step = np.abs(np.diff(x)) * ~are_gaps(time)
+        i = _lone_jump(time, step)
         if i is not None:
             raise LogError(
                 f"{source}, {name}: jumps by {x[i + 1] - x[i]:.3g} within a sample at {time[i]:g} "
                 "s, as no joint moves: the encoder was set anew, or lost counts. Cut the log there "
                 "in two, or take the jump out of the positions after it"
             )
-        leapt = _travel_leapt(time, x)
+        leapt = _travel_leapt(step)
         # logs of servos at 50 Hz leap over up to 3%; where a bus loses messages it is most of it
         if leapt > 0.25:
             raise LogError(
@@ -151,25 +155,17 @@ def check_leaps(source: str, columns: Mapping[str, Array]) -> None:
             )
 
 
-def _steps(time: Array, position: Array) -> Array:
-    """Distance from each sample to the next one, shape (n - 1,), zero over a gap."""
-    tick = np.diff(time)
-    return np.abs(np.diff(position)) * (tick <= LARGEST_GAP * float(np.median(tick)))
-
-
-def _lone_jump(time: Array, position: Array) -> int | None:
+def _lone_jump(time: Array, step: Array) -> int | None:
     """Sample before the largest of a few jumps that no inertia allows, or None."""
-    step = _steps(time, position)
     i = int(np.argmax(step))
     # of 291 signals without a jump, the largest step was at most 1.5 times the second largest
-    largest = np.sort(step)[:-_FEWEST_READINGS:-1]
-    alone = np.any(largest[:-1] > 10.0 * largest[1:]) and largest[-1] > 0.0
+    largest = np.sort(step)[-_MOST_JUMPS - 1 :]
+    alone = np.any(largest[1:] > 10.0 * largest[:-1]) and largest[0] > 0.0
     return i if alone and step[i] > _HARDEST * (time[i + 1] - time[i]) ** 2 else None
 
 
-def _travel_leapt(time: Array, position: Array) -> float:
-    """Fraction of travel in single samples with almost no motion around them; gaps do not count."""
-    step = _steps(time, position)
+def _travel_leapt(step: Array) -> float:
+    """Fraction of travel in single samples with almost no motion around them."""
     moved = step[step > 0.0]
     if not len(moved):
         return 0.0
