@@ -65,6 +65,14 @@ def test_a_data_type_without_a_number_is_an_error(tmp_path: Path) -> None:
             mat_columns(tmp_path / "log.mat", ["time_s"])
 
 
+@pytest.mark.parametrize("option", [{"wrap": 1.0}, {"signals": ["kp"]}, {"drop_nan": True}])
+def test_an_option_that_the_format_of_emps_lacks_is_refused(tmp_path: Path, option) -> None:
+    savemat(tmp_path / "a.mat", {"t": T, "qm": Q, "qg": Q, "vir": 0.1 * np.sign(Q), "gtau": 35.0})
+    assert read_log(tmp_path / "a.mat").position.size == T.size
+    with pytest.raises(LogError, match="EMPS in its own format takes no --"):
+        read_log(tmp_path / "a.mat", **option)
+
+
 @pytest.mark.parametrize("name", ["a.h5", "a.hdf5", "a.mat"])
 def test_arrays_are_named_by_their_path(tmp_path: Path, name: str) -> None:
     h5py = pytest.importorskip("h5py")

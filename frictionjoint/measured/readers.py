@@ -66,18 +66,24 @@ def read_log(
     how = ReadOptions(dict(columns or {}), tuple(signals), wrap, dict(units or {}), drop_nan)
     check_units(how.units)
     kind, special = path.suffix.lower(), _of_joints(path, how.columns)
-    if not special and path.is_file() and _is_table(path):
-        if kind == ".mat" and not columns and public_logs.is_emps(column_names(path)):
-            return public_logs.read_emps(path)
+    table = not special and path.is_file() and _is_table(path)
+    # named columns ask for the table: the known variables of EMPS are read without a name
+    emps = table and kind == ".mat" and not columns and public_logs.is_emps(column_names(path))
+    if table and not emps:
         return read_table(path, joint, how)
-    if not special and not path.is_dir() and kind not in (".json", ".npy"):
+    if not special and not table and not path.is_dir() and kind not in (".json", ".npy"):
         raise LogError(f"{path.name}: unknown kind of log, give one of {', '.join(_KINDS)}")
     more = {} if special else {"--column": how.columns, "--unit": how.units}
     ignored = {**more, "--signal": how.signals, "--wrap": how.wrap, "--drop-nan": how.drop_nan}
+    if emps and (given := [name for name, value in ignored.items() if value]):
+        fix = "name its columns too, e.g. --column position_m=qm, and it is read as a table"
+        raise LogError(f"{path.name}: a log of EMPS in its own format takes no {given[0]}: {fix}")
     if any(ignored.values()):
         *most, last = ignored
         which = f"{', '.join(most)} and {last}"
         raise LogError(f"{path.name}: {which} apply only to {', '.join(TABLES)}")
+    if emps:
+        return public_logs.read_emps(path)
     if special:
         return special[0](path, joint, how)
     if path.is_dir():
